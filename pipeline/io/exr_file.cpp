@@ -13,11 +13,11 @@
 namespace miebrdf {
 namespace {
 
-/// Of pictures that are read; OpenEXR allocates by what the header says.
+/// Bounds of pictures that are read: OpenEXR allocates by what the header says.
 constexpr int kLargestWidth = 1 << 16, kLargestHeight = 1 << 20;
 constexpr int kPart = 0;
 
-/// What OpenEXR says last before it returns an error.
+/// The last message of OpenEXR before it returns an error.
 using Reason = std::array<char, 256>;
 
 /// Owns an open file.

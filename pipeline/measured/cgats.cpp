@@ -98,8 +98,8 @@ CgatsTable parse_cgats(const MeasuredFile& file) {
     return table;
 }
 
-/// What spectral values are relative to: SPECTRAL_NORM says it; ArgyllCMS (SPEC_400) has percent,
-/// others (SPECTRAL_NM400, nm400) shares.
+/// The value that spectral values are relative to: SPECTRAL_NORM says it; ArgyllCMS (SPEC_400) has
+/// percent, others (SPECTRAL_NM400, nm400) shares.
 double cgats_norm(const MeasuredFile& file, const CgatsTable& table, const std::string& field) {
     const std::string norm = table.keyword("SPECTRAL_NORM");
     if (norm.empty()) return lower_case(field).starts_with("spec_") ? 100.0 : 1.0;

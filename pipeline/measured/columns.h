@@ -1,4 +1,4 @@
-// What the columns of tables are called, and what they hold.
+// Names of the columns of tables, and what these hold.
 #pragma once
 
 #include <optional>
@@ -28,7 +28,7 @@ enum class Role {
     value,
 };
 
-/// What a name says of a column.
+/// The role of a column, as its name says it.
 struct ColumnRole {
     Role role = Role::other;
     std::optional<materials::Unit> unit = {};  ///< of wavelengths; nothing: it does not say

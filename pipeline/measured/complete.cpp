@@ -1,5 +1,4 @@
-// What every list of measurements goes through, whatever it was read from: what the options say,
-// checks, order.
+// Completes every list of measurements, whatever it was read from: options, checks, order.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -86,8 +86,7 @@ class LongTable {
         for (std::size_t c = 0; c < roles_.size(); ++c) {
             const Role role = roles_[c].role;
             const bool free = role == Role::value || role == Role::other;
-            // What stands in a column of a known name must be numbers: text is refused with its
-            // line.
+            // Columns of a known name must hold numbers: text is refused with its line.
             if (!free || (role == Role::other && !has_numbers(c))) continue;
             if (lower_case(sheet_.names[c]) == lower_case(options_.column)) asked.push_back(c);
             (role == Role::value ? known : unknown).push_back(c);

@@ -204,7 +204,7 @@ InterpolatedBrdf interpolated_brdf(const Measurements& measured, Provenance prov
             for (std::size_t c = 0; c < block.channels.size(); ++c) {
                 const auto row = static_cast<Eigen::Index>(i),
                            column = static_cast<Eigen::Index>(c);
-                // Of logarithms: what is found is the value times exp(-difference).
+                // Residuals are of logarithms: what is found is the value times exp(-difference).
                 const double at = std::expm1(-kriging.residuals()(row, column));
                 const double error = std::expm1(-kriging.leave_one_out()(row, column));
                 residual += at * at;

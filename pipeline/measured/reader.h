@@ -1,4 +1,4 @@
-// What every reader of measurements is, and what they share.
+// The type of every reader of measurements, and what they share.
 #pragma once
 
 #include <miebrdf/database.h>
@@ -38,8 +38,7 @@ std::span<const Reader* const> readers();
     throw materials::ImportError(file.path, line, reason);
 }
 
-/// What values are multiplied with, and the fact about it. Percent may be said by the file or asked
-/// for.
+/// The factor of the values, and the fact about it. Percent may be said by the file or asked for.
 double share_factor(Measurements& list, const MeasuredOptions& options, bool file_says_percent,
                     std::string_view where);
 

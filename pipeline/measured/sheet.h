@@ -40,7 +40,7 @@ bool says_percent(std::string_view name);
 /// "R400", "SPECTRAL_NM400".
 std::optional<double> wavelength_in_name(std::string_view name);
 
-/// What the name of a column is about, without its unit: "Theta_i (deg)" -> "theta_i".
+/// The name of a column without its unit: "Theta_i (deg)" -> "theta_i".
 std::string bare_name(std::string_view name);
 
 /// @throws ImportError  for rows of other lengths than the line of names, and decimal points mixed

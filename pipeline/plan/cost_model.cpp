@@ -160,7 +160,7 @@ double least_of(const std::vector<double>& cosines) {
     return cosines.empty() ? 1.0 : *std::min_element(cosines.begin(), cosines.end());
 }
 
-/// What shows of the media that are there, from the top down.
+/// The media that show, from the top down.
 struct Visible {
     double size = 0.0;  ///< largest size parameter, times the share that its layer scatters first
     int orders = 1;     ///< of given phase functions

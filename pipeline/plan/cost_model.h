@@ -27,9 +27,9 @@ MieWork mie_work(const ResolvedSpecies& species, std::size_t w, double tolerance
 
 /// Mie theory for one medium at one wavelength.
 double mie_seconds(const MieWork& work);
-/// What is kept of it.
+/// Memory of the results that are kept.
 double mie_bytes(const MieWork& work);
-/// What it takes while it is computed, beside the program.
+/// Memory that it takes while it is computed, beside the program.
 double mie_working_bytes(const MieWork& work);
 
 /// The program by itself, and each value at one wavelength: once until it is written, more often
@@ -45,8 +45,8 @@ struct TransferSize {
     bool particles = false;  ///< phase functions with 4 moments for each stream
 };
 
-/// What `auto` ends at, by the narrowest phase function that shows; streams that are asked for as
-/// they are. @param lowest  index of the lowest medium that shows
+/// The streams that `auto` ends at, by the narrowest phase function that shows; streams that are
+/// asked for as they are. @param lowest index of the lowest medium that shows
 TransferSize expected_size(const ResolvedScene& scene, std::size_t lowest,
                            const rte::SolverOptions& solver, const rte::Directions& directions);
 

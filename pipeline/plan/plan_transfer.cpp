@@ -61,8 +61,8 @@ void Planner::radiative_transfer() {
 }
 
 void Planner::polarisation() {
-    // Of solutions with three components over one, measured at 16 and 32 nodes; the sum over orders
-    // is of one component more.
+    // The ratio of solutions with three components over one, measured at 16 and 32 nodes; the sum
+    // over orders is of one component more.
     constexpr double times_the_work = 10.0;
     if (!needs_layers_ || jobs_.empty()) return;
     const double solution_s = orders() * order_seconds(size_, layers(), cosines());

@@ -49,12 +49,12 @@ class Planner {
     int orders() const;
     int all_orders() const;
 
-    /// What results and single scattering take in memory.
+    /// Memory that results and single scattering take.
     double memory_bytes() const;
 
     double mie_cost(std::size_t medium, std::size_t w) const;
     double mie_cost(const ResolvedSpecies& species, std::size_t w, bool whole) const;
-    /// Of particles as the scene has them where a medium says nothing.
+    /// The cost for particles as the scene has them where a medium says nothing.
     double typical_mie_cost(std::size_t w) const;
     /// demand_, with scattering matrices where they are needed.
     OpticsDemand demand_at(std::size_t w) const;

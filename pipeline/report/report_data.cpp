@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Of the phase functions shown: a line's width in a chart over seven decades is 1 %.
+/// The tolerance of the phase functions shown: a line's width in a chart over seven decades is 1 %.
 constexpr double kPhaseTolerance = 1e-3;
 
 /// Nodes of what a uniform sky makes of a scene, and what stands for the horizon there.
@@ -106,7 +106,7 @@ std::vector<double> phase_angles_deg() {
     return angles;
 }
 
-/// What LayerOptics calls the medium.
+/// The name that LayerOptics has for the medium.
 std::string place_of(const Scene& scene, std::size_t medium) {
     if (medium == 0) return "base";
     std::size_t place = 0;
@@ -170,8 +170,8 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
     return all;
 }
 
-/// What is left out of a scene; not what a table of some directions leaves out, nor what was known
-/// from earlier runs.
+/// The work that is left out of a scene; a table of some directions leaves out more, and results of
+/// earlier runs do not count.
 json omissions_json(const Plan& plan) {
     static constexpr std::string_view kOfRequests[] = {"listed directions", "same direction",
                                                        "reciprocity", "no colour", "in the cache"};

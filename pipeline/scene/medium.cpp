@@ -259,7 +259,7 @@ Host host(const std::string& text) {
 
 void validate(const Host& host) {
     const double n = host.index.real(), k = host.index.imag();
-    // Of a host, or of a mirror.
+    // The index may be that of a host or of a mirror.
     if (!(n > 0.0 && n <= kLargestIndex))
         throw UsageError(fmt::format("'{}', its n", describe(host)), n, "> 0, up to 1e6");
     if (!(k >= 0.0 && k <= kLargestIndex))

@@ -70,8 +70,8 @@ void read_opac(const std::string& path, const std::string& text, FileScattering&
     table.has_cross_sections = true;
 }
 
-/// What the T-matrix programs print of particles in random orientation. Their functions of BETA1
-/// and BETA2 have the other sign than d^l_02.
+/// Reads what the T-matrix programs print of particles in random orientation. Their functions of
+/// BETA1 and BETA2 have the other sign than d^l_02.
 void read_t_matrix(const std::string& path, const std::string& text, Species& species) {
     const std::regex of_wavelength("LAM *= *([0-9.DE+-]+)"),
         of_sections("CEXT *= *([0-9.DE+-]+).*W *= *([0-9.DE+-]+)");

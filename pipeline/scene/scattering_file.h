@@ -38,10 +38,10 @@ rte::Optics optics_of_file(const Species& species, double wavelength_nm);
 /// their own. Of sizes: Q_ext.
 double extinction_of_file(const Species& species, double wavelength_nm);
 
-/// Of sizes: their effective radius 3 <V> / (4 <A>).
+/// The effective radius of sizes, 3 <V> / (4 <A>).
 double effective_radius_of_file(const Species& species, double wavelength_nm);
 
-/// Of sizes: the mean projected area of a particle. @throws UsageError  of averages
+/// The mean projected area of a particle of sizes. @throws UsageError  of averages
 double mean_area_of_file_um2(const Species& species, double wavelength_nm);
 
 /// Refuses lists that do not fit and phase functions that are negative. @throws UsageError

@@ -11,8 +11,8 @@ namespace miebrdf {
 /// Share of the volume that equal spheres fill at most (Hales 2005: 0.7405).
 inline constexpr double kDensestPacking = 0.74;
 
-/// Of n and k that are written down. No matter has more than some thousands; squares of squares of
-/// what is far beyond overflow.
+/// Bounds n and k that are written down. No matter has more than some thousands; squares of squares
+/// of what is far beyond overflow.
 inline constexpr double kLargestIndex = 1e6;
 
 /// @throws UsageError  naming the value and the allowed range, like all others here

@@ -21,7 +21,7 @@ using Kind = mie::SizeDistributionKind;
 constexpr std::array<Unit, 3> kSpecificSurfaces = {
     {{"m2/kg", 1, 1}, {"cm2/g", 1, 10}, {"m2/g", 1000, 1}}};
 
-/// Of the standard normal distribution: 90 % lie below.
+/// A quantile of the standard normal distribution: 90 % lie below.
 constexpr double kNinetyPercent = 1.2815515655446004;
 
 /// Reads the words of one species.

@@ -16,7 +16,7 @@ using SizeWords = std::map<std::string, std::string>;
 /// median, sigma_g, by; d10, d50, d90; junge, from, to; ssa; sizes.
 const std::vector<std::string>& size_word_names();
 
-/// What the words say together, as sizes of the species.
+/// Sets the sizes of the species as the words say them together.
 /// @param text  the species, named in messages
 /// @throws UsageError  for words that do not belong together or say too little
 /// @throws InputError  for a table that is missing or wrong

@@ -284,7 +284,7 @@ void validate(const Amount& amount, const std::string& text) {
                                  amount.value, is_share ? "0 to 1 (or 100%)" : ">= 0, finite"));
 }
 
-/// What follows the sizes.
+/// Writes the words that follow the sizes.
 std::string rest_of_keys(const Species& species) {
     std::string text;
     for (const Coating& coating : species.coatings) text += ",coating=" + describe(coating);

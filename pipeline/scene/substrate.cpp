@@ -1,4 +1,4 @@
-// What lies below the layers in place of a base: from words, and back.
+// Reads and writes the words for what lies below the layers in place of a base.
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>

@@ -1,4 +1,4 @@
-// What a Brdf makes of its layers and its surface.
+// A Brdf puts its layers and its surface together here.
 #pragma once
 
 #include <miebrdf/brdf.h>

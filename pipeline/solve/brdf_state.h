@@ -1,4 +1,4 @@
-// What copies of a Brdf share.
+// The state that copies of a Brdf share.
 #pragma once
 
 #include <miebrdf/brdf.h>

@@ -1,4 +1,4 @@
-// What physics and statistics say of computed values, and whether a result is converged.
+// Checks computed values by physics and statistics, and says whether a result is converged.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -13,13 +13,14 @@ namespace miebrdf {
 /// @param values  BRDF, laid out as BrdfValues::Slice; not empty
 PhysicsReport physics_of(const std::vector<double>& values, const Directions& directions);
 
-/// What Mie theory leaves of the tolerance, so that both estimates together stay within it. A
-/// tolerance of the size average that leaves nothing was the user's choice: half is for the streams
-/// all the same.
+/// The part of the tolerance that Mie theory leaves, so that both estimates together stay within
+/// it. A tolerance of the size average that leaves nothing was the user's choice: half is for the
+/// streams all the same.
 double tolerance_for_transfer(double tolerance, double mie_error_estimate);
 
-/// What points of the phase function may err by at each value: their share of the tolerance, or
-/// most of what the estimates of the other steps have left of it there, if that is more.
+/// The error that points of the phase function may have at each value: their share of the
+/// tolerance, or most of what the estimates of the other steps have left of it there, if that is
+/// more.
 /// @param transfer_errors  of rte::ReflectionTable
 std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
                                    const std::vector<double>& transfer_errors);

@@ -47,7 +47,7 @@ struct SixNodes {
         for (std::size_t j = 0; j < kCount; ++j) weight[j] = factor[j] * before[j] * after[j];
     }
 
-    /// Of half_sine_nodes(count) around a share of [0, 1].
+    /// The six of half_sine_nodes(count) around a share of [0, 1].
     static SixNodes of_share(double share, std::size_t count) {
         const double place = 2.0 / std::numbers::pi *
                              std::asin(std::sqrt(std::clamp(share, 0.0, 1.0))) * double(count - 1);

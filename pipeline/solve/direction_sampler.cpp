@@ -14,7 +14,8 @@ namespace miebrdf {
 // the density p 2 mu / (ds dphi) per unit of solid angle, which follows the cosine.
 struct DirectionSampler::Table {
     std::size_t incidences = 0, zeniths = 0, azimuths = 0;
-    /// Of each incidence: running sum of the cells' probabilities, [zenith * azimuths + azimuth].
+    /// For each incidence, the running sum of the cells' probabilities, [zenith * azimuths +
+    /// azimuth].
     std::vector<double> up_to;
 
     std::size_t cells() const { return zeniths * azimuths; }
@@ -70,7 +71,7 @@ CosinePlace place_of(double mu_in, std::size_t incidences) {
     return {lower, std::clamp(x - static_cast<double>(lower), 0.0, 1.0)};
 }
 
-/// Of a tabulated incidence; the last one stands for the horizon, which is no direction.
+/// The cosine of a tabulated incidence; the last one stands for the horizon, which is no direction.
 double cosine_of(std::size_t incidence, std::size_t incidences) {
     constexpr double kHorizon = 1e-3;
     return std::max(kHorizon, std::cos(std::numbers::pi / 2 * static_cast<double>(incidence) /

@@ -49,7 +49,8 @@ constexpr double kSphereB = 1.25, kReflectedByGrain = 0.0611;
 /// Real indices of ice between 0.2 and 5 um lie within; the coefficients are for no other.
 constexpr double kLeastIceIndex = 0.9, kMostIceIndex = 1.7;
 
-/// Of three points, kept monotone; h and the secant next to the end come first.
+/// The slope at the end of three points, kept monotone; h and the secant next to the end come
+/// first.
 double slope_at_end(double h0, double secant0, double h1, double secant1) {
     const double slope = ((2.0 * h0 + h1) * secant0 - h0 * secant1) / (h0 + h1);
     if (!(slope * secant0 > 0.0)) return 0.0;

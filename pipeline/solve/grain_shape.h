@@ -6,7 +6,7 @@
 
 namespace miebrdf {
 
-/// Of spheroids that state none.
+/// The aspect of spheroids that state none.
 inline constexpr double kSpheroidAspect = 0.5;
 
 /// Whether the phase function is a smooth one and not that of Mie theory.

@@ -15,8 +15,8 @@ void require_share(double diffuse_fraction) {
     }
 }
 
-/// Of both parts the worse, wavelength by wavelength; the sums have no more than their largest
-/// error.
+/// Keeps the worse of both parts, wavelength by wavelength; the sums have no more than their
+/// largest error.
 void add_report(ResultReport& all, const ResultReport& part) {
     if (all.wavelengths.empty()) {
         all = part;

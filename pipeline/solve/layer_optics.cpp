@@ -1,4 +1,4 @@
-// What formulators read off a scene: every layer's coefficients.
+// Gives every layer's coefficients, which formulators read off a scene.
 #include <miebrdf/brdf.h>
 
 #include <fmt/format.h>
@@ -43,7 +43,7 @@ LayerOptics layer_of(const ResolvedMedium& medium, const MediumOptics& optics) {
     return layer;
 }
 
-/// Of a layer without depth: what its particles would do is not asked.
+/// Stands for a layer without depth, whose particles nobody asks about.
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::size_t> counted_from(std::size_t first, std::size_t end) {

@@ -34,8 +34,8 @@ struct IndexShift {
     }
 };
 
-/// What scenes of one run have looked up. Thread-safe. A database that changes during the run is
-/// not asked again.
+/// Indices that scenes of one run have looked up. Thread-safe. A database that changes during the
+/// run is not asked again.
 class NamedIndexMemo {
   public:
     std::optional<ResolvedIndex> find(const std::string& key) const;
@@ -64,7 +64,7 @@ class Materials {
 
     materials::RefractiveIndex index(const std::string& name);
 
-    /// Of every index that is looked up from now on; empty: none.
+    /// The shift of every index that is looked up from now on; empty: none.
     std::optional<IndexShift> shift = {};
 
   private:

@@ -10,9 +10,10 @@ namespace miebrdf {
 /// @param qd  momentum transfer times diameter, 2 k d sin(Theta / 2), >= 0
 double percus_yevick(double volume_fraction, double qd);
 
-/// What neighbours of the same size do to the intensity that spheres scatter: 1 + (S - 1) c, with
-/// c = |<F>|^2 / <|F|^2> of their amplitudes F, means over their numbers. Only the mean amplitude
-/// interferes, because which sphere has which index is chance; c is 1 where all have one.
+/// The factor by which neighbours of the same size change the intensity that spheres scatter: 1 +
+/// (S - 1) c, with c = |<F>|^2 / <|F|^2> of their amplitudes F, means over their numbers. Only the
+/// mean amplitude interferes, because which sphere has which index is chance; c is 1 where all have
+/// one.
 struct Structure {
     double volume_fraction = 0.0;
     double kd = 0.0;                    ///< wave number in the host times diameter

@@ -99,7 +99,7 @@ struct Term {
     double value, doubt;  ///< of Weight, times the part's share
 };
 
-/// Of each scaled medium, its place among the stack's from the top down. Layers without depth, of
+/// The place of each scaled medium among the stack's, from the top down. Layers without depth, of
 /// which some are left out, scatter nothing.
 std::vector<std::size_t> places_from_top(const rte::Stack& stack, const rte::ScaledStack& scaled) {
     std::vector<std::size_t> with_depth, places(scaled.media.size(), 0);

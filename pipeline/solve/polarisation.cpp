@@ -95,7 +95,7 @@ double polarisance(double index, double mu_air) {
     return std::abs(along - across) / (along + across);
 }
 
-/// Of diffuse light, towards the horizon.
+/// The lowest cosine of diffuse light, towards the horizon.
 constexpr double kLowestOfDiffuse = 0.1;
 
 /// A bound on what surfaces change where particles keep polarisation as well as they can: light
@@ -135,7 +135,7 @@ double largest_change(const std::vector<double>& without, const std::vector<doub
     return largest;
 }
 
-/// What leaving polarisation out changes of the values asked for, relative to each.
+/// The change that leaving polarisation out makes to the values asked for, relative to each.
 double change_found(const LayerRequest& request, const rte::Stack& stack) {
     SolverOptions solver = request.solver;
     solver.streams = kStreamsOfComparison;

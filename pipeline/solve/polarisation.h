@@ -13,7 +13,7 @@
 
 namespace miebrdf {
 
-/// What `auto` promises where spheres are coarse: their polarisation changes no value by more,
+/// The promise of `auto` where spheres are coarse: their polarisation changes no value by more,
 /// relative. Finer ones are held to the tolerance. What keeps no promise says so
 /// (ResultReport::polarisation).
 inline constexpr double kPromisedWithoutPolarisation = 6e-3;
@@ -32,8 +32,8 @@ struct LightChoice {
 /// Empty, or why light of several components cannot be computed: "a boundary ...".
 std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver);
 
-/// What is known before single scattering: by what was asked for, media that do not polarise, and
-/// spheres so large that leaving polarisation out changes less than the tolerance.
+/// The choice that can be made before single scattering: by what was asked for, media that do not
+/// polarise, and spheres so large that leaving polarisation out changes less than the tolerance.
 /// @throws UsageError  where several components were asked for and cannot be computed
 LightChoice choose_light(const LayerRequest& request, std::size_t w);
 
@@ -62,7 +62,8 @@ std::vector<LitScene> light_and_optics(const LayerRequest& request,
 /// boundaries.
 double change_by_polarisation(const rte::Stack& stack);
 
-/// The same of spheres, from their size parameter alone: a bound over all refractive indices.
+/// The change by polarisation of spheres, from their size parameter alone: a bound over all
+/// refractive indices.
 double change_by_polarisation(double effective_size_parameter);
 
 }  // namespace miebrdf

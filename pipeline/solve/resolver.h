@@ -21,7 +21,7 @@ class Resolver {
     /// @param optical_depth  of the layer, where nothing else tells how much there is of it
     ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm,
                           double optical_depth = std::numeric_limits<double>::infinity());
-    /// What is left of a layer without depth: its host, with no particles that need optics.
+    /// The rest of a layer without depth: its host, with no particles that need optics.
     ResolvedMedium host_alone(const Medium& medium, const std::vector<double>& wavelength_nm);
     ResolvedDepth depth(const Layer& layer, const ResolvedMedium& medium);
     /// n + ik of a species, of a mirror and (n alone) of a host at every wavelength.
@@ -48,7 +48,7 @@ class Resolver {
                             const HostAt& host);
     std::vector<ResolvedIndex> coatings(const Species& species,
                                         const std::vector<double>& wavelength_nm);
-    /// What lies between the particles absorbs as a species of albedo 0 would (Mie theory itself
+    /// The host between the particles absorbs as a species of albedo 0 would (Mie theory itself
     /// takes the real part of the host's index).
     void set_host_absorption(const HostAt& host, const std::vector<double>& wavelength_nm,
                              double optical_depth, ResolvedMedium& medium);

@@ -1,4 +1,4 @@
-// What results say about themselves.
+// Results describe themselves here.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <miebrdf/brdf.h>

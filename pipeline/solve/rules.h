@@ -1,6 +1,6 @@
-// What a request does not need: the rules by which work is left out, each a question that both the
-// solver and `plan` ask. Rules that look at directions, media and parts are here; those that need
-// the optics of a layer are in scene_optics.h, those of the equations themselves in rte/.
+// Rules leave out what a request does not need: each is a question that both the solver and `plan`
+// ask. Rules that look at directions, media and parts are here; those that need the optics of a
+// layer are in scene_optics.h, those of the equations themselves in rte/.
 #pragma once
 
 #include <miebrdf/brdf.h>

@@ -21,10 +21,10 @@ namespace {
 constexpr double kStep = 1e-5;
 // Where a number may not be larger, or not smaller, the difference has an error of first order.
 constexpr double kOneSidedStep = 1e-7;
-// Of a number that is 0 nobody knows what is small: of albedos, shares, g and k this is.
+// No number that is 0 tells what is small beside it: for albedos, shares, g and k this is.
 constexpr double kStepFromZero = 1e-7;
 
-/// What `make` makes of a number; empty where it is out of range.
+/// The scene that `make` makes of a number; empty where it is out of range.
 template <typename Make>
 std::optional<ResolvedScene> possible(const Make& make, double value) {
     try {

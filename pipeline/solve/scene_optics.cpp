@@ -29,7 +29,7 @@ class StackBuilder {
           control_(control),
           depths_(optical_depths_of(scene, wavelengths, demand.tolerance, control)) {}
 
-    /// What shows of media 0 ... last - 1.
+    /// The optics of those of media 0 ... last - 1 that show.
     std::vector<SceneOptics> visible_below(std::size_t last,
                                            const std::vector<Place>& places) const {
         if (places.empty()) return {};

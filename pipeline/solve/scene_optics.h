@@ -25,7 +25,7 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
                                         const std::vector<std::size_t>& wavelengths,
                                         const OpticsDemand& demand, const Control& control);
 
-/// The same with the layers from a given medium up, whatever they hide: a scene a little different
+/// As above, with the layers from a given medium up, whatever they hide: a scene a little different
 /// from one of which that is known.
 /// @param lowest_medium  as of SceneOptics
 std::vector<SceneOptics> optics_from(const ResolvedScene& scene, std::size_t lowest_medium,

@@ -30,7 +30,7 @@ struct OpticsDemand {
 
 enum class PhaseDemand { moments_only, whole };
 
-/// What radiative transfer with these options makes use of.
+/// The optics that radiative transfer with these options makes use of.
 /// @param mie_tolerance  of the size average; 0: its share of the solver's tolerance
 OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, PhaseDemand phase);
 

@@ -78,7 +78,7 @@ SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
                                    rte::SolutionMemory& memory) {
     report_.converged = report_.solver.converged = true;
     if (part == BrdfPart::surface) {
-        // Of the layers nothing is wanted.
+        // Nothing of the layers is wanted.
     } else {
         solve(optics, solver, light.components, whole_matrix, memory);
         report_.polarisation_left_out = light.left_out;

@@ -18,7 +18,7 @@ struct SurfacePart {
 /// Adds everything that a scene's surface depends on at a wavelength.
 void add_surface(JobKey& key, const ResolvedScene& scene, std::size_t w);
 
-/// What of a surface part is needed.
+/// The parts of a surface that are needed.
 enum class SurfaceDemand {
     lobe,   ///< the lobe alone: `in` and `out` stay empty
     whole,  ///< and what the surface lets in and out, an integral for each cosine

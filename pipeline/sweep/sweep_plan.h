@@ -1,4 +1,4 @@
-// What a sweep will cost, and which of its scenes cannot be computed, before it runs.
+// A plan says what a sweep will cost, and which of its scenes cannot be computed, before it runs.
 #pragma once
 
 #include <cstddef>

@@ -21,7 +21,7 @@ class FrozenStack {
     FrozenStack(const Stack& stack, std::span<const StackChange> changes,
                 const SolverOptions& options, const SolverReport& solved);
 
-    /// Of another stack of the same layers, cut off as this one is.
+    /// The scaled form of another stack of the same layers, cut off as this one is.
     ScaledStack scaled_like(const Stack& other) const;
     StackGrids grids_of(const ScaledStack& scaled) const;
 
@@ -47,7 +47,7 @@ std::vector<double> frozen_reflection(const FrozenStack& frozen, const ScaledSta
 /// The part of it that is scattered once, of light as a number.
 std::vector<double> frozen_first_order(const FrozenStack& frozen, const ScaledStack& scaled,
                                        const Directions& directions);
-/// Of an AlbedoTable all but the mirror's part and the report.
+/// Fills in all of an AlbedoTable but the mirror's part and the report.
 AlbedoTable frozen_albedo(const FrozenStack& frozen, const ScaledStack& scaled,
                           const StackGrids& grids, const AlbedoQuestion& question,
                           const std::function<SurfaceWeights(double mu)>& surface);

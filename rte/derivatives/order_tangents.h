@@ -13,7 +13,7 @@
 
 namespace miebrdf::rte {
 
-/// What a change does to the media and the ground of a stack, times the change of the number.
+/// The change of the media and the ground of a stack, times the change of the number.
 struct ScaledChange {
     std::vector<Eigen::VectorXd> strengths;  ///< of ScaledOptics::strengths, by medium
     std::vector<double> depths;              ///< of scaled optical depths; 0 of a half-space

@@ -104,8 +104,8 @@ struct FrozenChanges {
     }
 };
 
-/// Of light scattered more than once, [change][(in * outs + out) * azimuths + azimuth]; empty if
-/// there is no physical solution.
+/// Slopes of light scattered more than once, [change][(in * outs + out) * azimuths + azimuth];
+/// empty if there is no physical solution.
 std::vector<std::vector<double>> multiple_slopes(const FrozenStack& frozen,
                                                  const std::vector<ScaledChange>& changes,
                                                  const Directions& directions) {

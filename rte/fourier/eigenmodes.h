@@ -72,7 +72,7 @@ class EigenmodeSolver {
     const Eigenmodes& find(const FourierMode& mode, const FourierMedium& medium,
                            const ZenithGrid& grid, double tolerance);
 
-    /// The same in two steps.
+    /// The two steps of it.
     const ScatteringKernels& form_kernels(const FourierMode& mode, const FourierMedium& medium);
     const Eigenmodes& find_from_kernels(const FourierMode& mode, const FourierMedium& medium,
                                         const ZenithGrid& grid, double tolerance);

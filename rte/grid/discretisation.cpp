@@ -170,7 +170,7 @@ void raise(double& largest, double value) {
     if (is_larger(value, largest)) largest = value;
 }
 
-// Of trapped light errors change their sign slowly as nodes are added, those of all values of a
+// Errors of trapped light change their sign slowly as nodes are added, those of all values of a
 // stack together, so that two solutions may agree by chance however many values there are. Of 784
 // solutions of random stacks below boundaries (tests/rte/boundary_scenes.h) with 8 to 48 nodes, 97
 // of 100 erred by less than half of this share of their difference from one with 4/9 of the nodes,

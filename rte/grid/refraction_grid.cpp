@@ -17,10 +17,10 @@ double root_of_difference(double larger, double smaller) {
     return std::sqrt((larger - smaller) * (larger + smaller));
 }
 
-// What a panel is worth.
+// The shares of a panel.
 constexpr int kWideShare = 2, kNarrowShare = 1;
 
-// Of two panels, as of one medium, all nodes. Of more, each has a fourth of them for each of its
+// Two panels, as one medium, have all nodes. Of more, each has a fourth of them for each of its
 // shares, as it would have beside one other: light from air must not find fewer nodes because there
 // are many hosts, and two solutions that are compared must differ in every panel.
 std::vector<int> share_out(const std::vector<RefractionPanel>& panels, int count, int least) {

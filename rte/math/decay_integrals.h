@@ -21,7 +21,7 @@ DecayIntegrals decay_integrals(double x, double y);
 class DecayIntegrator {
   public:
     using NodeArray = Eigen::Array<double, 15, 1>;
-    /// Of one x.
+    /// The integrals of one x.
     struct Decay {
         double x, exp_minus_x;
         NodeArray weighted;  ///< x w exp(-x u) at Gauss nodes u, for x < 1

@@ -1,4 +1,4 @@
-// What requests for reflections and for albedos have in common.
+// Steps that requests for reflections and for albedos have in common.
 #pragma once
 
 #include <cstddef>

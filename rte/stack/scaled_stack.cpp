@@ -39,8 +39,8 @@ void find_indices(const Stack& stack, ScaledStack& scaled) {
     if (scaled.top_index == 1.0) scaled.boundary.reset();
 }
 
-// Of a layer without depth its surfaces are left, where media of other indices lie on both sides.
-// On a ground they are those of the ground.
+// A layer without depth keeps its surfaces where media of other indices lie on both sides. On a
+// ground they are those of the ground.
 void remove_layers_without_surfaces(ScaledStack& scaled) {
     std::vector<ScaledMedium>& media = scaled.media;
     for (std::size_t i = media.size(); i-- > 0;) {

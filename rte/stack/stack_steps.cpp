@@ -1,4 +1,4 @@
-// What each step of StackSolver solves: the base, then coats and boundaries put on it.
+// The steps of StackSolver: the base, then coats and boundaries put on it.
 #include <algorithm>
 #include <utility>
 

@@ -18,7 +18,7 @@ struct Share {
     double value, standard_error;
 };
 
-/// Of diffuse light that meets the boundary from one side, what comes back to that side.
+/// The share of diffuse light from one side that the boundary sends back there.
 Share diffuse_reflectance(const TracedBoundary& boundary, bool from_air, int rays) {
     int back = 0;
     for (int i = 0; i < rays; ++i) {

@@ -196,8 +196,8 @@ TEST_CASE("a table of a phase function traces like the function", "[bench][trace
     const auto a = bench::trace_photons(exact, 0.5, detectors, options);
     const auto b = bench::trace_photons(tabulated, 0.5, detectors, options);
     for (std::size_t i = 0; i < detectors.size(); ++i) {
-        // The same random numbers: paths differ by the table's error, at most (0.1 degrees)^2 P'' ~
-        // 1e-4 near the peak, until a rare roulette decision falls the other way.
+        // Both draw one sequence of random numbers: paths differ by the table's error, at most (0.1
+        // degrees)^2 P'' ~ 1e-4 near the peak, until a rare roulette decision falls the other way.
         const double noise = a.reflection[i].standard_error;
         CHECK(std::abs(a.reflection[i].value - b.reflection[i].value) <= noise);
     }

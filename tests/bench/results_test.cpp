@@ -1,4 +1,4 @@
-// What a run found: files, comparisons, plots and the page.
+// Results of runs: files, comparisons, plots and the page.
 #include <cmath>
 #include <sstream>
 

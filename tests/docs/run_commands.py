@@ -23,7 +23,7 @@ import tempfile
 
 import pages
 
-# Of processor time: a busy machine is no reason to fail.
+# Limits of processor time: a busy machine is no reason to fail.
 LIMIT_S, LONG_LIMIT_S = 60, 1200
 MARK = re.compile(r"<!-- (not run|long|exit (\d+)): (.+) -->")
 

@@ -1,4 +1,4 @@
-// What fit files say, and what is refused before anything is solved.
+// Fit files are read, or refused before anything is solved.
 #include <miebrdf/error.h>
 #include <miebrdf/fit.h>
 

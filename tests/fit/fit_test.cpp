@@ -266,8 +266,8 @@ TEST_CASE("data sets share unknowns and differ in the words of their scene", "[f
 
 TEST_CASE("95 % intervals cover the truth as often as they say", "[fit]") {
     require_fit();
-    // Of 60 draws 50 or fewer are covered once in 10,000 times where 95 % should
-    // be.
+    // With 95 % for each, 50 or fewer of 60 draws are covered once in 10,000 times where 95 %
+    // should be.
     const Scene scene = support::scene_of("hg:0.95,0.5");
     int covered = 0;
     for (unsigned seed = 1; seed <= 60; ++seed) {

@@ -32,7 +32,7 @@ TEST_CASE("ssdd: entries stand in the order of the specification, values are bin
 }
 
 TEST_CASE("ssdd: figures never begin like a comment, which libbsdf would skip", "[formats][ssdd]") {
-    /// The same bits in every direction and at every wavelength.
+    /// Has one value in every direction and at every wavelength.
     class Constant : public support::TestMaterial {
       public:
         explicit Constant(std::uint32_t bits)

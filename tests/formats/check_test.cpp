@@ -1,4 +1,4 @@
-// What `check` finds in files: physics, and tables judged at their own directions.
+// `check` finds in files whether physics holds, and judges tables at their own directions.
 #include <array>
 #include <cmath>
 #include <numbers>

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kAny = std::numeric_limits<double>::max();
 
-/// The same kind of half-space, solved.
+/// A half-space of that kind, solved.
 const BrdfSource& solved() {
     static const BrdfTable instance =
         miebrdf::solve({.base = miebrdf::medium("hg:0.9,0.4")}, {480, 535, 620}).table();

@@ -61,7 +61,7 @@ TEST_CASE("many processes create the database at once: nobody is refused, nothin
         CAPTURE(round);
         const support::TemporaryFolder folder;
         create_all_at_once(folder.path() / "deep" / "user.sqlite");
-        // Of the creation nothing is left; of the last reader SQLite's empty log may be.
+        // Nothing of the creation is left; the last reader may leave SQLite's empty log.
         for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "deep")) {
             const std::string name = entry.path().filename();
             CAPTURE(name);

@@ -36,7 +36,7 @@ TEST_CASE("dispersion formulas give the published indices", "[materials][formula
 }
 
 TEST_CASE("formulas that share a curve agree with each other", "[materials][formula]") {
-    // The same Sellmeier term written in the forms 1, 2, 4 and 9: n^2 = 1 + B + B C / (L^2 - C).
+    // One Sellmeier term is written in the forms 1, 2, 4 and 9: n^2 = 1 + B + B C / (L^2 - C).
     const double B = 1.2, C = 0.01, L = 0.6;
     const double n = std::sqrt(1 + B * L * L / (L * L - C));
     const double rounding = 1e-14;

@@ -224,7 +224,7 @@ TEST_CASE("formulas are expressions of the wavelength or the energy", "[material
     const Complex drude =
         at("formula(eps1=1-81/(eV^2+0.0049),eps2=81*0.07/(eV*(eV^2+0.0049)))", 700);
     CHECK(std::abs(drude - at("drude(1,9,0.07)", 700)) <= 1e-13);
-    // Of negative permittivities without absorption only k is left.
+    // Negative permittivities without absorption have k alone.
     CHECK_THROWS_WITH(at("formula(eps1=-2)", 550), Catch::Contains("n > 0"));
     CHECK_THROWS_WITH(at("formula(n=1.5,k=0-1)", 550), Catch::Contains("k >= 0"));
     CHECK_THROWS_WITH(at("formula(n=1/(nm-550))", 550), Catch::Contains("n > 0"));

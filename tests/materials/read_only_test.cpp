@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr int wrong_count = 31;
 
-/// What a process may see that may not write here; root becomes nobody for it.
+/// Reads as a process that may not write here; root becomes nobody for it.
 int read_as_nobody(const fs::path& file, std::int64_t rows) {
     return exit_code(in_child([&] {
         if (geteuid() == 0 && setuid(65534) != 0) _exit(30);

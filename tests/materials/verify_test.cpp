@@ -1,4 +1,4 @@
-// What is wrong with figures and databases.
+// `verify` finds what is wrong with figures and databases.
 #include <miebrdf/database.h>
 
 #include <algorithm>

@@ -80,7 +80,7 @@ TEST_CASE("extinction of narrow and wide laws agrees with a sum over single sphe
     const auto range = mie::radius_range(sizes, GENERATE(1e-6, 1e-9));
     const double sum = sum_over_spheres(m, sizes, range, wave_number, 20'000);
     CAPTURE(sizes.effective_radius_um, sizes.effective_variance);
-    // What the sum has of the resonances of x above 10.
+    // The sum meets resonances of x above 10 with this error.
     CHECK(extinction_of(m, sizes, range, wave_number) == Approx(sum).epsilon(2e-6));
 }
 

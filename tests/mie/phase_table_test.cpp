@@ -156,7 +156,7 @@ TEST_CASE("noise of a table at wide angles does not brighten its forward peak",
     exact.tolerance = 2e-5;
     const std::vector<double> truth = mie::average_over_sizes(exact).chi;
 
-    // What a BRDF at 3e-3 asks for. Half of the light is in the peak, whose moments are alike.
+    // A BRDF at 3e-3 asks for this. Half of the light is in the peak, whose moments are alike.
     request.tolerance = 6e-4;
     request.with_phase_table = true;
     request.phase_tolerance = 3e-2;

@@ -93,7 +93,7 @@ TEST_CASE("weights for rays give interference the mean that it has over all size
                 sampled_area += share;
             }
             CAPTURE(mie::name_of(kind), windowed, theta_deg, rate);
-            // What conditions may be missed by, and of two rates that are nearly one the second.
+            // Conditions may be missed by so much, and the second of two rates that are nearly one.
             CHECK(std::abs(sampled / sampled_area - exact / area) <= 3e-3);
             ++rates;
         }

@@ -13,7 +13,7 @@ using namespace miebrdf;
 
 namespace {
 
-// The same geometric cross-section at all radii from a (1 - w) to a (1 + w): effective radius a,
+// Gives all radii one geometric cross-section, from a (1 - w) to a (1 + w): effective radius a,
 // effective variance w^2 / 3.
 double half_width(const mie::SizeDistribution& d) {
     return d.effective_radius_um * std::sqrt(3 * d.effective_variance);

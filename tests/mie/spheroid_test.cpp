@@ -103,7 +103,7 @@ double volume_over_surface_radius(double aspect) {
     return std::cbrt(aspect * aspect) / std::sqrt(area / (4 * std::numbers::pi));
 }
 
-/// Of the accuracy of 1e-3 with which the program was run, this is left in coefficients.
+/// The accuracy of 1e-3 with which the program was run leaves this in coefficients.
 constexpr double kPrinted = 5e-4;
 /// One unit of the last of six digits.
 constexpr double kLastDigit = 1e-6;

@@ -124,7 +124,7 @@ TEST_CASE("noise of P comes through single scattering", "[pipeline][noise]") {
     CHECK(noise.mu_in == mu_in);
     CHECK(noise.mu_out == mu_out);
     CHECK(noise.azimuth_deg == 180);
-    // Of a coat only what its depth scatters.
+    // A coat counts by what its depth scatters.
     const double depth = 0.1;
     const rte::Stack coat{.coats = {{noisy_isotropic(albedo, 0.5, 0.01), depth}},
                           .base_kind = rte::BaseKind::none};

@@ -109,14 +109,15 @@ TEST_CASE("volume, density and number count the whole particle", "[pipeline][coa
 TEST_CASE("a shell that is no shell changes nothing", "[pipeline][coated]") {
     const std::string core = "index:2.7,0.01,radius=0.2,variance=0.05,distribution=gamma";
     const std::string number = ",number=2e11/cm3 in index:1.5";
-    // Of no thickness: the very same work.
+    // A coating of no thickness asks for the very same work.
     CHECK(resolved(core + ",coating=SiO2@0nm").key == resolved(core).key);
-    // Of the host's index: as many cores scatter as much, though more volume is filled.
+    // With a coating of the host's index as many cores scatter as much, though more volume is
+    // filled.
     const LayerOptics plain = optics_of(core + number);
     check_same(optics_of(core + ",coating=index:1.5@30nm" + number), plain, 1e-9);
     // Thin: of the order of the volume that is added.
     check_same(optics_of(core + ",coating=index:1.7,0.3@1e-6um" + number), plain, 1e-3);
-    // Of the core's index, as shares: larger spheres.
+    // Coatings of the core's index, as shares, make larger spheres.
     const std::string large = "index:2.7,0.01,radius=0.22,variance=0.05,distribution=gamma";
     check_same(optics_of(core + ",coating=index:2.7,0.01@4%,coating=index:2.7,0.01@6%" + number),
                optics_of(large + number), 1e-9);

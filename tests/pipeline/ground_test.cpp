@@ -21,7 +21,7 @@ TEST_CASE("a purely absorbing film lets through what Beer says", "[pipeline][gro
         CHECK(std::abs(values.plane_transmittance[0][i] / truth - 1.0) <= 1e-13);
         CHECK(values.at(0, i) <= 1e-15);
     }
-    // Of uniform light: 2 E_3(1.5), Abramowitz & Stegun table 5.4 (E_3 = 0.0567395).
+    // Uniform light gives 2 E_3(1.5), Abramowitz & Stegun table 5.4 (E_3 = 0.0567395).
     CHECK(std::abs(values.spherical_transmittance[0] - 2 * 0.0567395) <= 1e-4);
 }
 
@@ -105,6 +105,6 @@ TEST_CASE("white films in diffuse light are Kubelka and Munk's", "[pipeline][mix
     const Brdf brdf = solve(film, {550}, {.tolerance = 1e-4});
     const double scattered = (1 - ground) * *brdf.layers().at(0).s_km * thickness_um;
     const double kubelka_munk = (scattered + ground) / (scattered + 1);
-    // What is left of the boundary layers, in which light is not diffuse (7e-4 measured at 20 um).
+    // The boundary layers, in which light is not diffuse, leave this (7e-4 measured at 20 um).
     CHECK(std::abs(brdf.albedo({1.0}).spherical_albedo[0] - kubelka_munk) <= 1e-3);
 }

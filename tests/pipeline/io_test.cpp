@@ -1,4 +1,4 @@
-// What is written: files that appear whole, tables, and text in markup.
+// Files appear whole; tables and text in markup are as they should be.
 #include <miebrdf/error.h>
 #include <sys/stat.h>
 

@@ -26,8 +26,8 @@ Medium paint(double absorption_per_um) {
     return paint;
 }
 
-/// What the table says of the pigment, in 1/um. Its own words give 3.4297 (sum over 6,000 spheres;
-/// this library to 1e-5): films are thicker by that, and coefficients smaller.
+/// The extinction of the pigment that the table has, in 1/um. Its own words give 3.4297 (sum over
+/// 6,000 spheres; this library to 1e-5): films are thicker by that, and coefficients smaller.
 constexpr double kExtinction = 3.4605;
 constexpr double kThicker = kExtinction / 3.4297;
 

@@ -93,7 +93,7 @@ TEST_CASE("ice has SNICAR's mass extinction, albedo and asymmetry", "[pipeline][
         if (radius > 100) continue;  // minutes
         CAPTURE(um, radius);
         const LayerOptics ours = optics_of(ice(um, radius), 1e3 * um);
-        // What both programs' averages over sizes leave (1.3e-4 and 2e-4 were measured).
+        // Averages over sizes of both programs leave this (1.3e-4 and 2e-4 were measured).
         CHECK(relative(*ours.mass_extinction_m2_per_kg, table.number(r, "ext_m2_per_kg")) <= 3e-4);
         CHECK(std::abs(ours.asymmetry - table.number(r, "g")) <= 3e-4);
     }
@@ -153,7 +153,7 @@ TEST_CASE("a given thickness of snow on soil has the depth and albedo of exact t
         // Four digits after the point; the mass extinction within what SNICAR's check allows.
         const double tau = values.wavelengths[0].optical_depths.at(0);
         CHECK(relative(tau, table.number(r, "optical_depth")) <= 3e-4);
-        // The same mass over a unit of area, without any density of the layer.
+        // A mass over a unit of area is as much, without any density of the layer.
         Scene by_mass = scene;
         by_mass.particles.layer_density_kg_m3.reset();
         by_mass.layers = {{ice(0.505, 100), {Depth::Kind::mass_kg_per_m2, 0.25 * mm}}};

@@ -88,7 +88,7 @@ TEST_CASE("no more is kept than the limit, and what is not kept is computed", "[
     small.keep("second", optics);
     CHECK(small.find("first"));
     CHECK_FALSE(small.find("second"));
-    // The same again takes no room.
+    // Optics that are kept again take no room.
     OpticsMemo again(1800);
     for (int i = 0; i < 5; ++i) again.keep("first", optics);
     again.keep("second", optics);

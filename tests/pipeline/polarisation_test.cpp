@@ -323,8 +323,8 @@ TEST_CASE("a smooth boundary and a mirror have Mueller matrices", "[pipeline][po
     REQUIRE(albedo.mirror_reflectance.size() == 1);
     CHECK(std::abs(albedo.mirror_reflectance[0][0] - r.unpolarised()) <= 1e-14);
     CHECK(std::abs(albedo.plane_albedo[0][0] - values.plane_albedo[0][0]) <= 1e-5);
-    // What one boundary does to the polarisation does not show
-    // in the intensity that layers scatter which do not polarise; two surfaces do.
+    // The polarisation by one boundary does not show in the intensity that layers scatter which do
+    // not polarise; two surfaces do.
     const auto report = [](const Scene& scene) {
         return solve(scene, {550}, {.stokes = 0})
             .evaluate({{0.5}, {0.4}, {60}})
@@ -378,7 +378,7 @@ TEST_CASE("auto leaves out no more than it says below boundaries", "[pipeline][p
         for (std::size_t a = 0; a < 3; ++a) {
             CAPTURE(k, a, scene.layers[0].medium.species[0].parameters, chosen.at(0, 0, 0, a),
                     truth.at(0, 0, 0, a));
-            // What is promised, and the tolerances of both, which are relative to the largest.
+            // The promise, and the tolerances of both, which are relative to the largest.
             CHECK(std::abs(chosen.at(0, 0, 0, a) / truth.at(0, 0, 0, a) - 1) <= 6e-3 + 4e-3);
         }
     }

@@ -214,7 +214,7 @@ TEST_CASE("nothing scatters: a black ground takes the place of such layers", "[p
     options.streams = 16;
     const auto full = rte::reflect(stack, directions, options).reflection;
     const auto less = rte::reflect(reduced, directions, options).reflection;
-    // The same equations, one matrix product fewer.
+    // The equations are the same, with one matrix product fewer.
     for (std::size_t i = 0; i < full.size(); ++i) CHECK(std::abs(less[i] / full[i] - 1) <= 1e-10);
     const BrdfValues black = values_of(scene_of("isotropic:0"));
     CHECK(black.slices[0].total == std::vector<double>(12, 0.0));

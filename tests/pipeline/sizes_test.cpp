@@ -138,7 +138,7 @@ TEST_CASE("every layer scatters as its own spheres do alone", "[pipeline][sizes]
     for (std::size_t w = 0; w < kWavelengths.size(); ++w) {
         const auto base = alone(scene.base, c.base_radius_um, w);
         const auto coat = alone(scene.layers[0].medium, c.coat_radius_um, w);
-        // The same equations with the same options: rounding alone.
+        // Equations and options are the same: rounding alone differs.
         CHECK(largest_difference(together[w].values, reflection(base, coat, depth, options)) <=
               1e-12);
         // With the sizes exchanged it is another BRDF: the bound above tells them apart.
@@ -180,7 +180,7 @@ TEST_CASE("larger spheres of one layer make its plan longer", "[pipeline][sizes]
             .seconds();
     };
     CHECK(seconds("TiO2,radius=100") > seconds("TiO2"));
-    // The same spheres: times that a plan measures differ by less than this.
+    // The spheres are the same: times that a plan measures differ by less than this.
     const double given = seconds("TiO2,radius=1"), as_scene = seconds("TiO2");
     CHECK(given <= 2 * as_scene);
     CHECK(as_scene <= 2 * given);

@@ -87,7 +87,8 @@ TEST_CASE("a lobe in fine steps keeps every bend and leaves out what lies on a l
         }
         farthest = std::max(farthest, nearest);
     }
-    // What is left out is 0.03 from the line at most; two decimals, also in centre and scale.
+    // Points that are left out are 0.03 from the line at most; two decimals, also in centre and
+    // scale.
     CHECK(farthest <= 0.03 + 0.02);
 }
 

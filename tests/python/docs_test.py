@@ -54,7 +54,7 @@ def test_every_public_name_is_described(name):
 
 @pytest.mark.parametrize("name", sorted(set(ALL) - ERRORS))
 def test_every_public_name_has_an_example(name):
-    # Of a method its class may have it.
+    # The class of a method may have it.
     owner = ALL.get(name.split(".")[0])
     word = name.split(".")[-1]
     examples = [ALL[name], owner, miebrdf, *(ALL[each] for each in ("Scene", "medium", "coat", "lambertian"))]

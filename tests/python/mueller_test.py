@@ -31,7 +31,7 @@ def test_element_11_is_the_brdf_where_auto_finds_that_polarisation_shows():
     mu_out, azimuth = np.linspace(0.2, 1, 5)[:, None], np.array([0.0, 60.0, 180.0])
     m11 = GAS.mueller(550, 0.6, mu_out, azimuth)[..., 0, 0]
     brdf = GAS.brdf(550, 0.6, mu_out, azimuth)
-    # The same solution, but for elements that auto does not judge.
+    # Both are one solution, but for elements that auto does not judge.
     np.testing.assert_allclose(brdf, m11, rtol=2e-3)
     scalar = GAS.brdf(550, 0.6, mu_out, azimuth, stokes=1)
     assert np.max(np.abs(scalar / m11 - 1)) > 0.01

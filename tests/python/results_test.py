@@ -262,7 +262,7 @@ def test_materials(tmp_path):
     assert scene.brdf(550, 0.5, 0.5) > 0
     assert own.remove("ink") and "ink" not in own
     assert any(each["name"] == "TiO2" for each in own.search("titanium", covers_nm=(400, 700)))
-    # The same table, given by arrays.
+    # The table is given by arrays here.
     ink = miebrdf.medium(index=np.array(n) + 1j * np.array(k), wavelengths_nm=nm, radius_um=0.3)
     np.testing.assert_array_equal(Scene(ink).brdf(550, 0.5, MU), scene_without(own, nm, n, k))
 

@@ -187,7 +187,7 @@ TEST_CASE("a small area light is a directional light", "[render][lights]") {
 
 TEST_CASE("aiming at bright parts of a map changes the noise, not the picture",
           "[render][lights]") {
-    // The same sky as a map that is sampled, and, constant, as one that is not.
+    // One sky is a map that is sampled, and, constant, one that is not.
     Image flat(128, 64, 3);
     for (std::size_t i = 0; i < flat.values.size(); i += 3) flat.values[i] = 1.0F;
     RenderScene scene = sphere_scene(std::make_shared<RoughLobeBrdf>(std::vector{0.5}, 0.3));

@@ -28,7 +28,7 @@ GLOSSY = ["--base", "TiO2,radius=0.13,variance=0.05 in index:1.5", "--boundary",
           "--tolerance", TOLERANCE]
 DROPLETS = ["--base", "index:1.33,0.01,radius=2,variance=0.1", "--tolerance", "5e-4"]
 DIRECTIONS = [(0, 10, 0), (30, 45, 0), (30, 40, 60), (60, 50, 0), (75, 80, 20), (45, 45, 180)]
-# Of the largest value at an incidence; the program's promise for the page.
+# The program's promise for the page, of the largest value at an incidence.
 ALLOWED = 1e-3
 
 failures = []

@@ -1,4 +1,4 @@
-// What a page consists of beside its tables: numbers as text, weights of colours.
+// A page has, beside its tables, numbers as text and weights of colours.
 #include <string>
 #include <vector>
 

@@ -1,4 +1,4 @@
-// What a page is told of its scenes, against the scenes' own functions.
+// Data of pages against the functions of their scenes.
 #include <zlib.h>
 
 #include <cstring>

@@ -21,7 +21,7 @@ struct BoundaryScene {
     bool wants_albedo = false;
 };
 
-/// The same scene for the same number, on every machine.
+/// Makes one scene for each number, on every machine.
 class BoundarySceneMaker {
   public:
     /// @param rough  below a rough boundary always, in place of 15 of 100 times

@@ -113,7 +113,7 @@ class JonesPhotons {
         return r[1] * across * s + r[0] * parallel * s.cross(k);
     }
 
-    // What a wave going up towards the observer at the depth sends there, with all that comes back
+    // Records what a wave going up at the depth sends to the observer, with all that comes back
     // from the boundary by way of the mirror.
     void record(Field E, double depth) {
         Ray k = out_;

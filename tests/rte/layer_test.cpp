@@ -14,7 +14,7 @@ using support::FourierProblem;
 
 namespace {
 
-/// The same grid for all.
+/// All problems share a grid.
 FourierProblem make_layer_problem(const rte::Optics& optics, int order, int moments,
                                   std::vector<double> mu) {
     return support::make_problem(optics, order, rte::make_mapped_gauss_grid(20), moments,

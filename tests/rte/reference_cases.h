@@ -45,7 +45,7 @@ std::vector<AlbedoCase> albedo_cases(const std::string& file);
 double largest_relative_error(const ReflectionCase& reference, const rte::SolverOptions& options,
                               double mu_from = 0.0, rte::SolverReport* report = nullptr);
 
-/// The same with the difference relative to the largest expected value at that incidence: what
+/// As above, with the difference relative to the largest expected value at that incidence: what
 /// SolverReport::error_estimate estimates.
 double largest_scaled_error(const ReflectionCase& reference, const rte::SolverOptions& options,
                             double mu_from = 0.0, rte::SolverReport* report = nullptr);

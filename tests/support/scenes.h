@@ -20,7 +20,7 @@ inline Scene scene_of(const std::string& base, const std::vector<std::string>& l
     return scene;
 }
 
-/// The same under a rough surface.
+/// Puts a scene under a rough surface.
 inline Scene under_surface(Scene scene, double beckmann_alpha = 0.3,
                            std::optional<std::complex<double>> index = {}) {
     scene.surface = rte::SurfaceOptions{.beckmann_alpha = beckmann_alpha};

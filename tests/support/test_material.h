@@ -30,7 +30,7 @@ class TestMaterial : public BrdfSource {
     Provenance provenance_;
 };
 
-/// The same with a Beckmann lobe of slope parameter alpha about the mirror direction on top.
+/// That material with a Beckmann lobe of slope parameter alpha about the mirror direction on top.
 class SharpMaterial : public TestMaterial {
   public:
     SharpMaterial(std::vector<double> wavelength_nm, double beckmann_alpha);

@@ -76,7 +76,7 @@ std::vector<plot::PointName> names_of(const Results& results,
 
 using Rows = std::vector<std::vector<std::string>>;
 
-/// Of texts that are not escaped yet; the first row is the head.
+/// Makes a table of texts that are not escaped yet; the first row is the head.
 std::string html_table(const Rows& rows) {
     std::string html = "<table>\n";
     const char* cell = "th";

@@ -1,5 +1,5 @@
-// What polarisation costs and what leaving it out costs: the scalar solver, three and four Stokes
-// components on the same media.
+// The cost of polarisation and the error of leaving it out: the scalar solver, three and four
+// Stokes components on the same media.
 #include <fmt/format.h>
 
 #include "rte/stack/layered_reflection.h"

@@ -56,7 +56,7 @@ class Verdict {
     bool good_ = true;
 };
 
-/// What the file shall be compared with: its own scene, or that of the options.
+/// The scene that the file shall be compared with: its own, or that of the options.
 SceneOfFile scene_to_compare(const CheckArguments& arguments, const Shell& shell) {
     if (!arguments.own_scene) {
         SceneOfFile typed{arguments.scene.parse(), arguments.component, arguments.rgb};
@@ -103,7 +103,7 @@ void compare(const BrdfFile& file, const CheckArguments& arguments, const Shell&
     verdict.tell("directional_albedo_error", found.albedo_error);
 }
 
-/// Of a file alone nobody can say what it should hold between its nodes.
+/// A file alone does not say what it should hold between its nodes.
 void tell_what_is_not_seen(const BrdfFile& file, const CheckArguments& arguments, Table& table) {
     const bool sampled = find_format(file.format()).content == FormatContent::sampled;
     const bool says_scene = !command_of_file(arguments.file).empty();

@@ -31,7 +31,7 @@ struct CommonOptions {
     bool no_cache = false;
 };
 
-/// What a command writes: rows, as CSV or JSON; a file in a format that its own options choose; a
+/// The output of a command: rows, as CSV or JSON; a file in a format that its own options choose; a
 /// folder, which it creates.
 enum class Writes { table, file, folder };
 
@@ -54,7 +54,7 @@ class Shell {
     /// Calls `prepare` when this command is the one typed: it reads and checks all that was asked
     /// for and returns what is left to do. A scene file prepares all its results first.
     void on_prepare(CLI::App& command, std::function<Job()> prepare);
-    /// The same for a command whose job does its own checks.
+    /// As above, for a command whose job does its own checks.
     void on_run(CLI::App& command, Job job);
     /// For a command that decides while it is parsed.
     void set_job(Job job);
@@ -77,10 +77,11 @@ class Shell {
 
     /// One line on stderr, unless --quiet.
     void note(const std::string& line) const;
-    /// The same, once, when the command has succeeded: bad input is answered with one line alone.
+    /// Notes a line once, when the command has succeeded: bad input is answered with one line
+    /// alone.
     void note_at_end(const std::string& line) const;
 
-    /// What the program says where a command ends with kNotConverged.
+    /// The advice of the program where a command ends with kNotConverged.
     const std::string& advice() const { return advice_; }
     void set_advice(std::string advice) const { advice_ = std::move(advice); }
 

@@ -9,7 +9,7 @@
 namespace miebrdf::program {
 namespace {
 
-/// What is said of both grounds.
+/// Adds the facts of both grounds.
 void add_ground_facts(Table& table, const AlbedoQuestion& question, const AlbedoValues& over_dark,
                       const AlbedoValues& over_light) {
     table.facts.emplace_back(

@@ -28,7 +28,7 @@ std::string describe(const ExportedFile& file) {
     return text;
 }
 
-/// What `--json` tells of the files.
+/// The table of the files that `--json` prints.
 Table table_of(const std::vector<ExportedFile>& files) {
     Table table;
     table.columns = {"file", "bytes"};

@@ -13,7 +13,7 @@
 
 namespace miebrdf::program {
 
-/// What a file of measurements does not say itself.
+/// Options for what a file of measurements does not say itself.
 class MeasuredArguments {
   public:
     void add_to(CLI::App& command);

@@ -1,4 +1,4 @@
-// What `miebrdf render` may be asked for, and the materials of a picture.
+// Options of `miebrdf render`, and the materials of a picture.
 #pragma once
 
 #include <memory>

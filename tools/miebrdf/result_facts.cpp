@@ -12,7 +12,7 @@
 namespace miebrdf::program {
 namespace {
 
-/// What a result says about itself at each wavelength, without its physics.
+/// Adds what a result says about itself at each wavelength, without its physics.
 void add_report(Table& table, const ResultReport& result) {
     table.report_columns = {"wavelength_nm", "converged", "error_estimate", "mie_error_estimate",
                             "phase_noise",   "streams",   "moments",        "azimuthal_orders"};

@@ -21,7 +21,7 @@ namespace miebrdf::program {
 /// Words with their values as they were said.
 using SaidWords = std::map<std::string, std::vector<WordValue>>;
 
-/// What they ask for; what they leave out is as by default, but for wavelengths: there are none.
+/// The request that they ask for; the rest is as by default, but for wavelengths: there are none.
 /// @throws UsageError, InputError
 Request request_of(const SaidWords& said);
 
@@ -72,8 +72,8 @@ class SceneArguments {
 /// "power-law, effective radius 50 um, effective variance 0.2, in a host of index 1": what Mie
 /// theory takes one medium for. Empty for media that do not go through it.
 std::string describe_particles(const Medium& medium, const ParticleOptions& particles);
-/// The same for all layers of a scene: one text where their sizes agree, otherwise
-/// "base TiO2: power-law, ...; coat 1 Au: ...; in a host of index 1".
+/// As above, for all layers of a scene: one text where their sizes agree, otherwise "base TiO2:
+/// power-law, ...; coat 1 Au: ...; in a host of index 1".
 std::string describe_particles(const Scene& scene);
 
 /// Media and wavelengths, looked up.

@@ -15,11 +15,11 @@ namespace {
 
 /// Values below this share of the mean are compared with that share.
 constexpr double kTail = 0.01;
-/// The same near the horizon, where a refracting boundary lets less and less through and light
+/// The tail near the horizon, where a refracting boundary lets less and less through and light
 /// counts with its small cosine: of the mean over all directions.
 constexpr double kGrazingTail = 0.5;
 
-/// The same sequence everywhere; std::uniform_real_distribution is not.
+/// Gives one sequence everywhere; std::uniform_real_distribution does not.
 class Uniform {
   public:
     explicit Uniform(std::uint64_t seed) : engine_(seed) {}
@@ -126,7 +126,7 @@ namespace {
 
 enum class Measure { each, together };
 
-/// What is found in one region: relative errors of each value, or of all values together.
+/// The findings in one region: relative errors of each value, or of all values together.
 struct RegionSums {
     double squares = 0.0, values = 0.0;
     RegionDeviation region;

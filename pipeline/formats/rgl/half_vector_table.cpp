@@ -73,9 +73,9 @@ void HalfVectorTable::fit(std::span<double> values) const {
     settle_horizon(values);
 }
 
-/// What is continued below the horizon is the light at the mirrored direction, which may be in the
-/// lobe of a surface where the lit neighbours are far outside it. A curve that goes through zero at
-/// the horizon is no larger there than at lit nodes as near.
+/// Continued below the horizon is the light at the mirrored direction, which may be in the lobe of
+/// a surface where the lit neighbours are far outside it. A curve that goes through zero at the
+/// horizon is no larger there than at lit nodes as near.
 void HalfVectorTable::limit_continuation(std::span<double> values) const {
     constexpr std::size_t kNear = 2;  // nodes
     for (const std::size_t node : needed_) {

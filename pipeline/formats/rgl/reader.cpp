@@ -133,7 +133,7 @@ class RglFile : public BrdfFile {
         return {std::move(mixed), slices.nx, slices.ny};
     }
 
-    /// What directions are drawn with at one incidence; the last one is kept.
+    /// The tables that directions are drawn by at one incidence; the last one is kept.
     struct Warps {
         double mu_in;
         BilinearWarp visible, luminance;

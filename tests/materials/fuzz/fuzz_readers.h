@@ -1,4 +1,4 @@
-// What a fuzzer feeds to each reader, and what must hold whatever the bytes are.
+// A fuzzer feeds each reader; some things must hold whatever the bytes are.
 #pragma once
 
 #include <string>

@@ -27,7 +27,7 @@ std::vector<double> npy_doubles(const std::string& npy) {
     return numbers_at<double>(npy, 10u + length, count);
 }
 
-/// What readers of ZIP go by: the central directory at the end.
+/// Readers of ZIP go by the central directory at the end.
 std::map<std::string, std::string> stored_members(const std::string& zip) {
     const std::size_t end = zip.rfind("PK\x05\x06");
     if (end == zip.npos) refuse("no end of central directory");

@@ -26,7 +26,7 @@ class OutsideFile {
     virtual bool starts_from_light() const { return false; }
     /// Empty where the program gives up on a sample.
     virtual std::optional<Vector> sample(const Vector&, double, double) const { return {}; }
-    /// Of `sample`, per solid angle, as the program states it.
+    /// The density of `sample`, per solid angle, as the program states it.
     virtual double density(const Vector& /*fixed*/, const Vector& /*drawn*/) const { return 0.0; }
 };
 

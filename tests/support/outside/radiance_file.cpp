@@ -41,8 +41,8 @@ struct Xyz {
     double x = 0, y = 0, z = 0;
 };
 
-/// Of luminance and the chromaticity (x, y); as ccy2rgb, with primaries of a nominal CRT and white
-/// at (1/3, 1/3).
+/// Converts luminance and the chromaticity (x, y), as ccy2rgb, with primaries of a nominal CRT and
+/// white at (1/3, 1/3).
 std::vector<double> rgb_of(const Xyz& colour) {
     // Chromaticities of the primaries; their luminances make equal parts of them white.
     constexpr double kX[3] = {0.640, 0.290, 0.150}, kY[3] = {0.330, 0.600, 0.060};
@@ -122,7 +122,8 @@ class TensorTreeFile : public OutsideFile {
                         static_cast<std::size_t>(std::max(0.0, x) * static_cast<double>(side_)));
     }
 
-    /// Of the half in use. The new trees of u' and v' lack the other half, and are dropped.
+    /// Subtracts in the half in use. The new trees of u' and v' lack the other half, and are
+    /// dropped.
     void subtract_min_rgb() {
         double least[3] = {1e10, 1e10, 1e10};
         for (std::size_t i = 0; i < y_.size() / 2; ++i) {

@@ -214,7 +214,8 @@ class TensorBsdfFile : public OutsideFile {
           spectra_(bytes, fields[fields.count("spectra") ? "spectra" : "rgb"]),
           channels_(spectra_.values.size() / spectra_.nx / spectra_.ny / theta_.size()) {}
 
-    /// Of one incidence; kept for the next call, which in these tests mostly has the same.
+    /// The warps of one incidence, kept for the next call, which in these tests mostly has the
+    /// same.
     struct Warps {
         std::size_t slice;
         double share;
