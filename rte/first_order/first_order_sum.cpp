@@ -195,7 +195,7 @@ std::vector<double> FirstOrderSum::narrow_change(const FirstOrder& first_order,
     std::vector<double> change = narrow_;
     change.resize(pairs() * cos_azimuth_.size(), 0.0);
     // Degrees that depend on the nodes.
-    GloryCorrection narrow({&media, 1}, mu_least_, kNarrowFeaturesShare * options_.tolerance,
+    GloryCorrection narrow({&media, 1}, mu_least_, kGloryShare * options_.tolerance,
                            {.end = first_kept_});
     if (worth_a_table(change.size())) narrow.tabulate();
     const bool wanted = unresolved != nullptr && narrow.has_unresolved();
@@ -229,7 +229,7 @@ void FirstOrderSum::keep_narrow(const std::vector<ScaledMedium>& media) {
         first_kept_ = std::numeric_limits<int>::max();
         return;
     }
-    const double tolerance = kNarrowFeaturesShare * options_.tolerance;
+    const double tolerance = kGloryShare * options_.tolerance;
     narrow_.assign(pairs() * cos_azimuth_.size(), 0.0);
     GloryCorrection features({&media, 1}, mu_least_, tolerance, {.first = first_kept_},
                              NarrowSum::features);

@@ -65,7 +65,7 @@ SpectralFirstOrder::Group::Group(std::span<const Known> wavelengths, bool exact,
                        math::AngleTolerance{.relative = kPhaseTableShare * tolerance});
     }
     if (exact) {
-        narrow = GloryCorrection(stacks, kLeastCosine, kNarrowFeaturesShare * tolerance);
+        narrow = GloryCorrection(stacks, kLeastCosine, kGloryShare * tolerance);
         narrow.tabulate();
     }
 }

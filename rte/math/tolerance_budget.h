@@ -8,18 +8,21 @@ namespace miebrdf {
 // value at an incidence. What is left, most of it, is for the number of streams: that error is
 // estimated by comparing two numbers of nodes, and it is the only one that costs much to reduce.
 
-/// What transfer may err by in any case, even where a tolerance of the size average that was asked
-/// for leaves it less.
+/// The error that transfer may make in any case, even where a tolerance of the size average that
+/// was asked for leaves it less.
 inline constexpr double kLeastTransferShare = 0.5;
 /// Averages over sphere sizes, unless a tolerance of their own is given.
 inline constexpr double kMieShare = 0.2;
+/// A step that is taken once leaves nearly all of the tolerance to the nodes; so does one that is
+/// taken for each Fourier order, degree or piece, whose errors add up.
+inline constexpr double kShareOfOneStep = 0.1, kShareOfEachOrder = 0.01;
 /// Fourier orders that are left out at the end of the sum.
 inline constexpr double kFourierTailShare = 0.25;
 /// Fourier orders of a solution with fewer nodes are taken over once they agree to this.
-inline constexpr double kCoarserOrdersShare = 0.01;
+inline constexpr double kCoarserOrdersShare = kShareOfEachOrder;
 /// The equations of one Fourier order: iterated half-spaces, refined eigenmodes, and what lies
 /// below a coat that counts as a half-space in that order.
-inline constexpr double kEquationShare = 0.01;
+inline constexpr double kEquationShare = kShareOfEachOrder;
 /// Orders above 0 of a half-space may err by this share of what order 0 may: that is brightest
 /// where it is, and errors count relative to the largest value at each incidence.
 inline constexpr double kHigherOrderShare = 0.1;
@@ -28,15 +31,15 @@ inline constexpr double kHigherOrderShare = 0.1;
 inline constexpr double kIterationShare = 0.1;
 /// Legendre degrees with (2l + 1) chi_l below this are dropped where light scattered once lacks
 /// them too: the sum of all that are dropped shows.
-inline constexpr double kDroppedMomentShare = 0.01;
+inline constexpr double kDroppedMomentShare = kShareOfEachOrder;
 /// Layers below a coat that hides them (rte/stack/hidden_layers.h).
-inline constexpr double kHiddenLayersShare = 0.1;
+inline constexpr double kHiddenLayersShare = kShareOfOneStep;
 /// Narrow features of the first order: interpolation and the terms left out.
-inline constexpr double kNarrowFeaturesShare = 0.1;
+inline constexpr double kGloryShare = kShareOfOneStep;
 /// Tables of exact phase functions against the angle, relative to the largest coefficient of a
 /// piece: so small that steps between the pieces stay below whatever is made of the values
 /// (azimuthal series, for instance).
-inline constexpr double kPhaseTableShare = 0.01;
+inline constexpr double kPhaseTableShare = kShareOfEachOrder;
 
 // Phase functions from Mie theory are noisy at single angles: a finite number of sphere sizes does
 // not average out every ripple, and single angles count for little in a reflection.

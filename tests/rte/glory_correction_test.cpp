@@ -238,7 +238,7 @@ TEST_CASE("what is kept of narrow features does not depend on the moments of the
                     // Interpolation in q and dropped degrees: a share of the tolerance of C each,
                     // for what is kept and for the rest.
                     CHECK(std::abs(*value++ - truth) * 4.0 * (mu_in + mu_out) <=
-                          4.0 * kNarrowFeaturesShare * options.tolerance);
+                          4.0 * kGloryShare * options.tolerance);
                     largest = std::max(largest, std::abs(narrow / truth));
                 }
             }
