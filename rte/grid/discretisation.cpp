@@ -37,6 +37,9 @@ double negligible_moment(const Stack& stack, const SolverOptions& options) {
     return std::min(0.05 * std::sqrt(options.tolerance), 20.0 * options.tolerance);
 }
 
+// What follows decides which estimates are believed: `miebrdf stress` (promises) and
+// tests/rte/random_boundaries_test.cpp count the converged results beyond their tolerance.
+
 // chi_2n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
 constexpr double kSlowAbove = 1e-2;
 // Matrix products of n terms, the sums over orders, the digits of input files: an error estimate
@@ -96,9 +99,9 @@ bool are_many(std::size_t count, const Stack& stack) {
 }
 
 // In a coat so thin the radiance changes over cosines of the size of its depth, where few nodes
-// have none. Of 2,000 random stacks with coats of depth 1e-4 to 0.02, one or two cosines of 0.01
-// and above each, 20 missed a tolerance of 1e-4 with fewer nodes than these, by up to 8 times, and
-// one (1.2 times) with them; none missed 1e-3.
+// have none: of 2,000 random stacks with coats of depth 1e-4 to 0.02, one or two cosines of 0.01
+// and above each, 20 missed a tolerance of 1e-4 with fewer nodes than these, by up to 8 times
+// (`miebrdf stress` counts those that miss it with them: promises, smooth thin coats).
 constexpr double kThinDepth = 0.01, kThinTolerance = 3e-4;
 constexpr int kThinStreams = 16;
 
@@ -172,9 +175,9 @@ void raise(double& largest, double value) {
 
 // Errors of trapped light change their sign slowly as nodes are added, those of all values of a
 // stack together, so that two solutions may agree by chance however many values there are. Of 784
-// solutions of random stacks below boundaries (tests/rte/boundary_scenes.h) with 8 to 48 nodes, 97
-// of 100 erred by less than half of this share of their difference from one with 4/9 of the nodes,
-// and 99 of 100 by about this share (.26 to .35).
+// solutions of random stacks below boundaries (tests/rte/random_boundaries_test.cpp) with 8 to 48
+// nodes, 97 of 100 erred by less than half of this share of their difference from one with 4/9 of
+// the nodes, and 99 of 100 by about this share (.26 to .35).
 constexpr double kShareOfTrapped = 0.3;
 
 // The difference that two solutions are taken to have at least, when the ones before them differ by

@@ -12,6 +12,9 @@
 namespace miebrdf::rte {
 namespace {
 
+// When a sum over orders ends; `miebrdf stress` (promises) counts the converged results beyond
+// their tolerance.
+
 // Slower series are not trusted to be geometric.
 constexpr double kSlowestRatio = 0.7;
 // The rest of a series that is not geometric, in terms of the larger of its last two.

@@ -141,25 +141,48 @@ bench::MomentStack moments_of(const rte::Stack& stack) {
     return layers;
 }
 
-void smooth(const Options& options, Log& log, bool coated) {
-    Dice dice(coated ? 20 : 10);
-    const int scenes = options.fast ? 60 : 400;
+enum class Smooth { half_spaces, coats, thin_coats };
+
+const char* name_of(Smooth kind) {
+    return kind == Smooth::half_spaces ? "half-spaces"
+           : kind == Smooth::coats     ? "coats"
+                                       : "thin coats";
+}
+
+// In thin coats the radiance changes over cosines of the size of their depth: grazing ones are
+// asked for.
+Directions grazing_directions(Dice& dice) {
+    const auto cosines = [&] {
+        std::vector<double> list(std::size_t(dice.integer(1, 2)));
+        for (double& mu : list) mu = dice.logarithmic(0.01, 1.0);
+        return list;
+    };
+    return {cosines(), cosines(), {0.0, dice.uniform(0.0, 180.0)}};
+}
+
+void smooth(const Options& options, Log& log, Smooth kind) {
+    const bool coated = kind != Smooth::half_spaces, thin = kind == Smooth::thin_coats;
+    Dice dice(kind == Smooth::half_spaces ? 10 : thin ? 50 : 20);
+    const int scenes = thin ? (options.fast ? 30 : 2000) : options.fast ? 60 : 400;
     std::map<double, Promises> promises;
     double reference_error = 0;
     for (int s = 0; s < scenes; ++s) {
         rte::Stack stack{.base = random_smooth(dice)};
         std::string text = text_of(stack.base);
         for (int c = coated ? dice.integer(1, 2) : 0; c > 0; --c) {
-            stack.coats.push_back({random_smooth(dice), dice.logarithmic(1e-3, 20.0)});
+            stack.coats.push_back({random_smooth(dice), thin ? dice.logarithmic(1e-4, 0.02)
+                                                             : dice.logarithmic(1e-3, 20.0)});
             text += fmt::format(" + {}@{}", text_of(stack.coats.back().optics),
                                 stack.coats.back().optical_depth);
         }
-        const Directions directions = random_directions(dice);
+        const Directions directions = thin ? grazing_directions(dice) : random_directions(dice);
         text += text_of(directions);
         const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size();
         const auto truth =
             rte::reflect(stack, directions, {.tolerance = 1e-12, .streams = 110}).reflection;
-        for (const double tolerance : {1e-2, 1e-3, 1e-5, 1e-6}) {
+        const std::vector<double> tolerances =
+            thin ? std::vector{1e-3, 1e-4} : std::vector{1e-2, 1e-3, 1e-5, 1e-6};
+        for (const double tolerance : tolerances) {
             const auto table = rte::reflect(stack, directions, {.tolerance = tolerance});
             promises[tolerance].take(table.report.converged,
                                      error_of(table.reflection, truth, block), tolerance, text);
@@ -177,10 +200,9 @@ void smooth(const Options& options, Log& log, bool coated) {
         }
     }
     for (const auto& [tolerance, promise] : promises) {
-        promise.judge(
-            log, fmt::format("smooth {} at {:.0e}", coated ? "coats" : "half-spaces", tolerance));
+        promise.judge(log, fmt::format("smooth {} at {:.0e}", name_of(kind), tolerance));
     }
-    log.at_most(coated ? "smooth coats" : "smooth half-spaces",
+    log.at_most(fmt::format("smooth {}", name_of(kind)),
                 "the truth against adding-doubling on 32 Gauss nodes", reference_error, 1e-4,
                 "these nodes at g up to 0.85 (docs/accuracy.md)");
 }
@@ -350,8 +372,8 @@ void points_of_phase(const Options& options, Log& log) {
 
 void promises(const Options& options, std::vector<Check>& checks) {
     Log log("promises", checks);
-    log.run("smooth half-spaces", [&] { smooth(options, log, false); });
-    log.run("smooth coats", [&] { smooth(options, log, true); });
+    for (const Smooth kind : {Smooth::half_spaces, Smooth::coats, Smooth::thin_coats})
+        log.run(name_of(kind), [&] { smooth(options, log, kind); });
     log.run("spheres", [&] { spheres_in_layers(options, log); });
     log.run("points of P", [&] { points_of_phase(options, log); });
 }
