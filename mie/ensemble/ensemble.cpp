@@ -329,8 +329,10 @@ void EnsembleAverage::put_phase_table() {
     const auto table = std::make_shared<const PhaseTable>(PhaseTable(std::move(parts)));
     if (request_.with_phase_table) optics_.phase_table = table;
     if (!moments_from_table_) return;
-    const std::vector<double> chi = table->moments(goal.last_moment, run_);
-    optics_.chi.insert(optics_.chi.end(), chi.begin() + goal.first_moment, chi.end());
+    if (goal.last_moment >= goal.first_moment) {  // else the band has them all
+        const std::vector<double> chi = table->moments(goal.last_moment, run_);
+        optics_.chi.insert(optics_.chi.end(), chi.begin() + goal.first_moment, chi.end());
+    }
     optics_.chi.resize(request_.highest_moment + 1, 0.0);
     optics_.error_estimate = std::max(optics_.error_estimate, tabulated.moment_error);
 }

@@ -3,6 +3,8 @@
 
     tools/constants/vary.py BUILD [--work FOLDER] [--only NAME...] [--factors 0.5,2]
 
+Without --only, constants that change time alone are left out.
+
 BUILD is a configured and built tree (`build/native`), whose flags and libmiebrdf_math.a are taken.
 A copy of mie/ is compiled in which the constants of the records in mie/ensemble and mie/sizes read
 an environment variable; ensemble_battery (beside this script) measures the parts of the averages
@@ -23,7 +25,14 @@ FIXED = {'kAnglesPerTile', 'kTileStep', 'kRegisters', 'kCount', 'kVectors', 'kPa
          'kTileRows', 'kGroup', 'kDiagonalsPerJob', 'kInterpolating', 'kPieceNodes', 'kPowers',
          'kRowsPerRate', 'kPiece', 'kEnds', 'kPi', 'kInfinity', 'kDegree', 'kBytesPerWave', 'kJobs',
          'kBothSamples', 'kPieceWaves', 'kMostSizesPerBlock', 'kMostRays', 'kMostRates',
-         'kRegisterSize', 'kNumbers'}
+         'kRegisterSize', 'kNumbers', 'kIncidences'}
+# Memory, pieces for threads, limits of patience, rounding: they change time or nothing.
+TIME_ALONE = {'kMostKept', 'kMostChunksOfSample', 'kLeastChunkOfSample', 'kMostColumns', 'kMostOfFunctions',
+              'kTilesPerJob', 'kTilesWorthACopy', 'kMostChunks', 'kLeastChunk', 'kChunkMemory', 'kPartMemory',
+              'kAnglesPerJob', 'kNodesAtOnce', 'kProductsPerSecond', 'kMostProducts', 'kMostPerPiece',
+              'kMostTermsAtAngles', 'kJustAllowed', 'kRounding', 'kLeastLoss', 'kRoundedToNothing', 'kNegligible',
+              'kNodeLimit', 'kLeastSingleTolerance', 'kLeastTableTolerance', 'kMomentsToJudge',
+              'kDefaultTolerance', 'kPlateau', 'kRamp', 'kFinest', 'kLastLevel', 'kLeastTolerance', 'kBackward'}
 # Spheroids, derivatives and whole laws of sizes are not in the battery.
 NOT_MEASURED = ('spheroid_average.cpp', 'average_difference.cpp', 'mean_cross_section.cpp', 'size_laws.cpp')
 VARY = '''#pragma once
@@ -114,7 +123,7 @@ def make_battery(build, work):
         newest = max(f.stat().st_mtime for f in [*files, *work.glob('mie/**/*.h')])
         if object_.exists() and object_.stat().st_mtime > newest: continue
         source.write_text(text)
-        subprocess.run(['c++', *flags, '-c', str(source), '-o', str(object_)], check=True)
+        subprocess.run(['c++', *flags, '-w', '-c', str(source), '-o', str(object_)], check=True)
     program = work / 'ensemble_battery'
     subprocess.run(['c++', *objects, str(build / 'rte/math/libmiebrdf_math.a'), '-lfmt', '-o', str(program)], check=True)
     return program, found
@@ -165,6 +174,7 @@ def main():
     print(f'\n| constant | value | {" | ".join("x " + f for f in factors)} |\n' + '|---' * (2 + len(factors)) + '|')
     for file, name, value in found:
         if options.only and not any(re.search(o, f'{file}:{name}') for o in options.only): continue
+        if not options.only and name in TIME_ALONE: continue
         own = next(p for pattern, p in PARTS if re.search(pattern, file))
         cells = [change(measure(program, truth, own, f'{file}:{name}*{f}'), before) for f in factors]
         print(f'| {file.split(".")[0]}: {name} | {value} | {" | ".join(cells)} |', flush=True)
