@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/one_line.h"
 #include "tools/bench/results.h"

@@ -1,6 +1,7 @@
 // Scene files as their users meet them: what is refused, and that it is refused before any work.
 #include <filesystem>
 
+#include "tests/support/program_csv.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/tools/one_line.h"
 
