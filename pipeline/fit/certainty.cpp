@@ -39,7 +39,7 @@ double weight_of_loss(const FitProblem& problem, double z) {
     return 1.0;
 }
 
-struct Direction {
+struct Component {
     std::size_t slot;
     double share;  ///< of the unit vector
     double step;   ///< of the fitted number
@@ -54,9 +54,9 @@ std::string factor_of(const Unknown& unknown, const std::string& name) {
 
 /// What of two numbers is known where moving both by their steps changes
 /// nothing.
-std::string combination(const FitProblem& problem, const Model& model, Direction a, Direction b,
+std::string combination(const FitProblem& problem, const Model& model, Component a, Component b,
                         const std::vector<double>& numbers) {
-    const auto unknown = [&](const Direction& d) -> const Unknown& {
+    const auto unknown = [&](const Component& d) -> const Unknown& {
         return problem.unknowns[model.slots()[d.slot].unknown];
     };
     if (is_log(unknown(b)) && !is_log(unknown(a))) std::swap(a, b);
@@ -80,12 +80,12 @@ std::string combination(const FitProblem& problem, const Model& model, Direction
 
 /// A direction along which the residuals change by less than a sigma, in words.
 /// @param singular  by how many sigma
-std::string in_words(const FitProblem& problem, const Model& model, std::vector<Direction> parts,
+std::string in_words(const FitProblem& problem, const Model& model, std::vector<Component> parts,
                      double singular, const std::vector<double>& numbers) {
-    std::sort(parts.begin(), parts.end(), [](const Direction& a, const Direction& b) {
+    std::sort(parts.begin(), parts.end(), [](const Component& a, const Component& b) {
         return std::abs(a.share) > std::abs(b.share);
     });
-    std::erase_if(parts, [](const Direction& d) { return std::abs(d.share) < kTakesPart; });
+    std::erase_if(parts, [](const Component& d) { return std::abs(d.share) < kTakesPart; });
     if (parts.size() == 1) {
         const Unknown& unknown = problem.unknowns[model.slots()[parts[0].slot].unknown];
         const double unit = unit_of(unknown, numbers[parts[0].slot]);
@@ -102,7 +102,7 @@ std::string in_words(const FitProblem& problem, const Model& model, std::vector<
                            combination(problem, model, parts[0], parts[1], numbers));
     }
     std::vector<std::string> moves;
-    for (const Direction& part : parts) {
+    for (const Component& part : parts) {
         const Unknown& unknown = problem.unknowns[model.slots()[part.slot].unknown];
         const std::string name = name_of(problem, model, part.slot);
         // As shares of one common step, the first of which is a tenth of its unit.
@@ -191,7 +191,7 @@ Certainty certainty_of(const FitProblem& problem, const Model& model, const Targ
     }
     for (Eigen::Index k = 0; k < singular.size(); ++k) {
         if (!(singular(k) < 1.0)) continue;
-        std::vector<Direction> parts;
+        std::vector<Component> parts;
         for (std::size_t f = 0; f < free.size(); ++f) {
             const double share = V(Eigen::Index(f), k);
             parts.push_back({free[f], share, share * units[f] / std::max(singular(k), least)});

@@ -79,13 +79,21 @@ double quantile_of(bool sigma_known, int degrees_of_freedom) {
     return boost::math::quantile(boost::math::students_t(std::max(degrees_of_freedom, 1)), 0.975);
 }
 
+/// The ends of an interval with two digits of its width, and four of each at least.
+std::string interval_of(double low, double high) {
+    const double largest = std::max(std::abs(low), std::abs(high)), width = high - low;
+    const int digits = width > 0.0 ? int(std::ceil(std::log10(largest / width))) + 2 : 4;
+    return fmt::format("95 %: {:.{}g} to {:.{}g}", low, std::clamp(digits, 4, 15), high,
+                       std::clamp(digits, 4, 15));
+}
+
 /// What is said about one value: its bound, or its interval.
 std::string note_of(const FittedValue& value) {
     if (value.at_bound)
         return fmt::format("at its {} bound",
                            value.value - value.low < value.high - value.value ? "lower" : "upper");
     if (std::isnan(value.standard_error)) return "not determined";
-    return fmt::format("95 %: {:.4g} to {:.4g}", value.interval_low, value.interval_high);
+    return interval_of(value.interval_low, value.interval_high);
 }
 
 /// Lines that differ in their wavelength alone are too many to read.
@@ -150,6 +158,7 @@ FitResult fit(const FitProblem& given, const Control& control) {
     FitResult result;
     result.sigma_known = has_sigmas(problem);
     result.converged = true;
+    for (const FitData& data : problem.data) add_lines(result.notes, data.doubts, "doubts");
     int values = 0, numbers = 0;
     std::size_t failed = 0;
     for (const auto& part : parts) {
@@ -158,6 +167,8 @@ FitResult fit(const FitProblem& given, const Control& control) {
         result.iterations += part->found.iterations;
         result.solved_scenes += part->model.solved_scenes();
         result.interrupted = result.interrupted || part->found.interrupted;
+        if (const auto& shift = part->found.lattice_shift)
+            result.interpolation_shift = std::max(result.interpolation_shift.value_or(0.0), *shift);
         if (part->found.converged) continue;
         result.converged = false;
         ++failed;

@@ -177,7 +177,7 @@ class FitFile : TomlFile {
             if (!own->is_table()) refuse(*own, "'scene' is { word = \"value\" }");
             data.scene = scene_of(*own->as_table());
         }
-        at(set, [&] { data.values = fitting::values_of(words); });
+        at(set, [&] { fitting::read_values(words, data); });
         problem_.data.push_back(std::move(data));
     }
 

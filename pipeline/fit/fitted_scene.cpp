@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include "pipeline/fit/model.h"
 #include "pipeline/fit/problem.h"
@@ -47,6 +48,16 @@ std::string list_line(const char* name, const std::set<double>& numbers) {
     return numbers.empty() ? "" : fmt::format("{} = [{}]\n", name, fmt::join(numbers, ", "));
 }
 
+/// Of the combinations of scattered directions so many numbers of each kind are written: a grid
+/// that `miebrdf run` solves in seconds.
+void thin(std::set<double>& numbers) {
+    constexpr std::size_t kMost = 12;
+    if (numbers.size() <= kMost) return;
+    const std::vector<double> all(numbers.begin(), numbers.end());
+    numbers.clear();
+    for (std::size_t i = 0; i < kMost; ++i) numbers.insert(all[i * (all.size() - 1) / (kMost - 1)]);
+}
+
 /// The [[result]] of these values.
 std::string result_text(const std::vector<TemplateWord>& words, const FitData& data,
                         const FitResult& result, std::optional<double> only_nm) {
@@ -62,6 +73,12 @@ std::string result_text(const std::vector<TemplateWord>& words, const FitData& d
         azimuth.insert(std::isnan(value.azimuth_deg) ? 0.0 : value.azimuth_deg);
     }
     if (nm.empty() && only_nm) return "";
+    constexpr std::size_t kMostCombinations = 100'000;
+    if (mu_in.size() * mu_out.size() * azimuth.size() > kMostCombinations) {
+        thin(mu_in);
+        thin(mu_out);
+        thin(azimuth);
+    }
     std::string text = fmt::format("\n[[result]]  # {}\ncommand = \"{}\"\n", data.name,
                                    has_view ? "brdf" : "albedo");
     for (const TemplateWord& word : words) text += word_line(word, result, only_nm.value_or(0.0));

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/number_list.h"
@@ -48,46 +50,75 @@ std::vector<MeasuredValue> written_values(const MeasuredWords& words) {
     return values;
 }
 
+/// Directions that the file, or the geometry, has and that are said otherwise.
+void require_agreement(const MeasuredValue& value, const MeasuredOptions& options) {
+    constexpr double kRounding = 1e-3;  // of a cosine: angles in whole degrees
+    const auto differ = [](double has, const std::optional<double>& said) {
+        return said && !std::isnan(has) && std::abs(has - *said) > kRounding;
+    };
+    const bool is_sky = value.geometry == MeasuredGeometry::hemispherical && options.mu_in;
+    if (!is_sky && !differ(value.mu_in, options.mu_in) && !differ(value.mu_out, options.mu_out))
+        return;
+    const std::string geometry = word_of(value.geometry);
+    throw UsageError(fmt::format(
+        "the direction that is said is not that of the data{}; leave it out, or say with quantity "
+        "what they are: plane_albedo has a mu_in of its own, d8-sci and d8-sce are at 8 degrees, "
+        "45-0 from 45 degrees to 0, hemispherical from all sides",
+        geometry.empty() ? "" : fmt::format(" ({})", geometry)));
+}
+
 /// What a geometry fixes, and what is said where it does not.
 void complete(MeasuredValue& value, const MeasuredOptions& options) {
     const auto fill = [](double& number, const std::optional<double>& said) {
         if (std::isnan(number) && said) number = *said;
     };
-    const bool is_sphere = value.geometry == MeasuredGeometry::d8_sci ||
-                           value.geometry == MeasuredGeometry::d8_sce ||
-                           value.quantity >= MeasuredQuantity::lab_l;
-    fill(value.mu_in, options.mu_in);
-    fill(value.mu_out, options.mu_out);
-    fill(value.azimuth_deg, options.azimuth_deg);
+    const bool is_sphere =
+        value.geometry == MeasuredGeometry::d8_sci || value.geometry == MeasuredGeometry::d8_sce;
     if (is_sphere) fill(value.mu_in, cosine(kSphereDegrees));
     if (value.geometry == MeasuredGeometry::d45_0) {
         fill(value.mu_in, cosine(45.0));
         fill(value.mu_out, 1.0);
     }
+    require_agreement(value, options);
+    fill(value.mu_in, options.mu_in);
+    fill(value.mu_out, options.mu_out);
+    fill(value.azimuth_deg, options.azimuth_deg);
+    if (value.quantity >= MeasuredQuantity::lab_l) fill(value.mu_in, cosine(kSphereDegrees));
+}
+
+void keep_range(std::vector<MeasuredValue>& values, std::pair<double, double> range) {
+    double first = std::numeric_limits<double>::infinity(), last = 0.0;
+    for (const MeasuredValue& value : values) {
+        first = std::min(first, value.wavelength_nm);
+        last = std::max(last, value.wavelength_nm);
+    }
+    std::erase_if(values, [&](const MeasuredValue& value) {
+        return !(value.wavelength_nm >= range.first && value.wavelength_nm <= range.second);
+    });
+    if (values.empty() && last > 0.0)
+        throw UsageError(
+            fmt::format("wavelengths {}:{} nm: no value is there; the data have {} to "
+                        "{} nm",
+                        range.first, range.second, first, last));
 }
 
 }  // namespace
 
-std::vector<MeasuredValue> values_of(const MeasuredWords& words) {
-    std::vector<MeasuredValue> values;
+void read_values(const MeasuredWords& words, FitData& data) {
+    std::vector<MeasuredValue>& values = data.values;
     if (words.file.empty()) {
         values = written_values(words);
     } else {
-        const Measurements measured = read_measured(words.file, words.options);
+        Measurements measured = read_measured(words.file, words.options);
         if (measured.samples.size() > 1 && words.options.column.empty())
             throw UsageError(fmt::format("{} has {} samples; name one: column = \"{}\"", words.file,
                                          measured.samples.size(),
                                          fmt::join(measured.samples, "\" or \"")));
-        values = measured.values;
+        values = std::move(measured.values);
+        data.doubts = std::move(measured.doubts);
     }
-    if (words.range) {
-        std::erase_if(values, [&](const MeasuredValue& value) {
-            return !(value.wavelength_nm >= words.range->first &&
-                     value.wavelength_nm <= words.range->second);
-        });
-    }
+    if (words.range) keep_range(values, *words.range);
     for (MeasuredValue& value : values) complete(value, words.options);
-    return values;
 }
 
 std::pair<double, double> wavelength_range(const std::string& text) {

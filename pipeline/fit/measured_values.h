@@ -17,8 +17,9 @@ struct MeasuredWords {
     std::optional<std::pair<double, double>> range = {};  ///< of wavelengths that count, nm
 };
 
+/// Puts them into `values`, and what may be wrong with them into `doubts`.
 /// @throws UsageError, InputError  with what would help
-std::vector<MeasuredValue> values_of(const MeasuredWords& words);
+void read_values(const MeasuredWords& words, FitData& data);
 
 /// Reads `FIRST:LAST` in nm. @throws UsageError
 std::pair<double, double> wavelength_range(const std::string& text);

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
+#include <Eigen/QR>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +17,10 @@ namespace {
 
 /// Numbers closer than this share of their range are the same minimum.
 constexpr double kSameMinimum = 0.01;
+
+/// Averages from a lattice that move a number by more of its standard error than this are replaced
+/// by averages of their own, from their minimum on.
+constexpr double kMostShift = 0.1;
 
 double at(const Range& range, double share) { return range.low + share * (range.high - range.low); }
 
@@ -133,6 +140,22 @@ class Searcher {
     std::string refusal_;
 };
 
+/// How far values that differ by `difference` move the numbers of a minimum, or any combination of
+/// them, in its own standard errors: what of the difference lies in the directions of the Jacobian.
+double shift_of(const std::vector<double>& difference, const std::vector<double>& derivatives,
+                const Target& target, double sigma) {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const auto rows = Eigen::Index(difference.size());
+    const auto weights = Eigen::Map<const Eigen::VectorXd>(target.weights.data(), rows);
+    const auto columns = Eigen::Index(derivatives.size()) / rows;
+    const Eigen::MatrixXd J =
+        weights.asDiagonal() * Eigen::Map<const RowMajor>(derivatives.data(), rows, columns);
+    const Eigen::VectorXd d =
+        weights.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(difference.data(), rows));
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J);
+    return (qr.householderQ().adjoint() * d).head(qr.rank()).norm() / sigma;
+}
+
 bool are_same(const FitProblem& problem, const Model& model, const std::vector<double>& a,
               const std::vector<double>& b) {
     for (std::size_t s = 0; s < a.size(); ++s) {
@@ -142,6 +165,26 @@ bool are_same(const FitProblem& problem, const Model& model, const std::vector<d
         if (!(apart <= kSameMinimum * (range.high - range.low))) return false;
     }
     return true;
+}
+
+/// The same of averages in place of those from the lattice of sizes.
+double lattice_shift(const FitProblem& problem, Model& model, const Target& target,
+                     const Minimum& best) {
+    const std::vector<double> numbers = numbers_of(problem, model, best.x);
+    std::vector<double> values(model.values()), exact(values.size());
+    std::vector<double> derivatives(values.size() * numbers.size());
+    model.evaluate(numbers, values, derivatives);
+    model.use_lattice(false);
+    model.evaluate(numbers, exact, {});
+    model.use_lattice(true);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        squares += std::pow((values[i] - target.values[i]) * target.weights[i], 2);
+        exact[i] -= values[i];
+    }
+    const double freedom = double(values.size()) - double(numbers.size());
+    const double sigma = has_sigmas(problem) ? 1.0 : std::sqrt(squares / std::max(freedom, 1.0));
+    return shift_of(exact, derivatives, target, sigma);
 }
 
 }  // namespace
@@ -164,6 +207,7 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
     Minimum best;
     best.x = start_of(problem, model, 0);
     try {
+        model.prepare(numbers_of(problem, model, best.x));
         model.choose_streams(numbers_of(problem, model, best.x));
     } catch (const Cancelled&) {
         found.interrupted = true;
@@ -187,16 +231,31 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
         if (std::isfinite(minimum.sum_of_squares)) keep(minimum);
         found.interrupted = searcher.cancelled();
     }
-    // Nodes that were enough at the start may be too few here.
-    for (int round = 0; round < 2 && !found.interrupted && best.converged; ++round) {
-        if (!model.choose_streams(numbers_of(problem, model, best.x))) break;
+    const auto go_on = [&] {
         const Minimum again = searcher.from(best.x);
         found.iterations += again.iterations;
-        if (!again.converged) break;
+        found.interrupted = searcher.cancelled();
+        if (!again.converged) return false;
         best = again;
         found.minima.front() = {best.sum_of_squares, found.minima.front().starts,
                                 numbers_of(problem, model, best.x)};
-        found.interrupted = searcher.cancelled();
+        return true;
+    };
+    try {
+        // Nodes that were enough at the start may be too few here.
+        for (int round = 0; round < 2 && !found.interrupted && best.converged; ++round) {
+            if (!model.choose_streams(numbers_of(problem, model, best.x)) || !go_on()) break;
+        }
+        if (model.uses_lattice() && !found.interrupted && best.converged) {
+            found.lattice_shift = lattice_shift(problem, model, target, best);
+            if (!(*found.lattice_shift <= kMostShift)) {
+                model.use_lattice(false);
+                found.lattice_shift.reset();
+                go_on();
+            }
+        }
+    } catch (const Cancelled&) {
+        found.interrupted = true;
     }
     if (found.minima.empty())
         found.minima.push_back({best.sum_of_squares, 0, numbers_of(problem, model, best.x)});

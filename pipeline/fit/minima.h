@@ -4,6 +4,7 @@
 #include <miebrdf/control.h>
 #include <miebrdf/fit.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,8 @@ struct Search {
     bool interrupted = false;
     std::string reason = {};
     int iterations = 0;
-    double loss_width = 0.0;  ///< in units of the weighted residuals
+    double loss_width = 0.0;                   ///< in units of the weighted residuals
+    std::optional<double> lattice_shift = {};  ///< FitResult::interpolation_shift
 };
 
 /// @throws UsageError, InputError  where the scene of the start cannot be

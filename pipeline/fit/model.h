@@ -1,34 +1,30 @@
-// What a scene with these numbers in place of its unknowns gives for every
-// measured value.
+// What scenes with numbers in place of their unknowns give for every measured value, and its
+// derivatives.
 #pragma once
 
-#include <miebrdf/brdf.h>
 #include <miebrdf/fit.h>
 
 #include <cstddef>
-#include <optional>
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "pipeline/fit/job.h"
+#include "pipeline/fit/solved_job.h"
 #include "pipeline/fit/unknowns.h"
-#include "pipeline/scene/scene_template.h"
+
+namespace miebrdf {
+class SizeLattice;
+}
 
 namespace miebrdf::fitting {
-
-/// The scene's words with those that a data set has of its own.
-std::vector<TemplateWord> words_of(const FitProblem& problem, const FitData& data);
-
-/// All wavelengths of the data, ascending, each once.
-std::vector<double> wavelengths_of(const FitProblem& problem);
 
 class Model {
   public:
     /// @param problem  checked (check_problem); must outlive the model
     Model(const FitProblem& problem, const Control& control);
-    ~Model();
-    Model(Model&&) noexcept;
 
     const std::vector<double>& wavelength_nm() const { return wavelength_nm_; }
     /// Numbers of a scene go by these slots.
@@ -38,6 +34,13 @@ class Model {
     int solved_scenes() const { return solved_scenes_; }
     /// From now on nothing is cancelled any more.
     void finish() { control_.is_cancelled = {}; }
+
+    /// Finds out how each unknown is differentiated, and whether spheres come from a lattice of
+    /// sizes.
+    void prepare(std::span<const double> numbers);
+    bool uses_lattice() const { return lattice_is_used_; }
+    /// @pre prepare has found a lattice
+    void use_lattice(bool use) { lattice_is_used_ = use; }
 
     /// Solves all scenes with nodes chosen for their tolerance, and keeps to these nodes from now
     /// on: then values are smooth in the numbers. @return whether more are needed than before
@@ -50,26 +53,25 @@ class Model {
                   std::span<double> derivatives);
 
   private:
-    struct Job;
-    struct Solved;
-    /// @param streams  raised to the nodes that were used; null: nobody asks
-    Request request_of(const Job& job, std::span<const double> numbers,
-                       const std::vector<std::string>& names) const;
-    /// @param names  of the derivatives that are wanted
-    Solved solve_job(const Job& job, std::span<const double> numbers, const Control& control,
-                     const std::vector<std::string>& names, int* streams) const;
-    void find_closed_forms(std::span<const double> numbers);
+    struct Task;
+    const Control& remembering();
+    Request request(const Job& job, std::span<const double> numbers,
+                    const std::vector<std::string>& names = {}) const;
+    std::size_t slot(const Job& job, const std::string& name) const;
     std::vector<std::string> closed_forms(const Job& job) const;
-
-    std::size_t slot_of(const std::string& name, std::size_t wavelength) const;
+    void add_moved(const Job& job, const std::string& name, std::span<const double> numbers,
+                   std::vector<Task>& tasks) const;
 
     const FitProblem& problem_;
     Control control_;
+    std::shared_ptr<ResultCache> cache_;  ///< for the lattice alone
     std::vector<double> wavelength_nm_;
     std::vector<Slot> slots_;
-    std::size_t values_ = 0;
     std::vector<Job> jobs_;
-    std::optional<std::set<std::string>> by_differences_;  ///< unknowns without closed forms
+    std::size_t values_ = 0;
+    std::set<std::string> by_differences_;  ///< unknowns without closed forms
+    std::shared_ptr<const SizeLattice> lattice_;
+    bool lattice_is_used_ = false;
     int solved_scenes_ = 0;
 };
 

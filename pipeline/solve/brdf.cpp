@@ -73,22 +73,24 @@ void add_physics(BrdfValues::Slice& slice, const Directions& directions) {
 
 }  // namespace
 
-BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::size_t w,
-                           const Directions& directions, const BrdfParts& parts,
-                           const Control& control) {
+std::optional<SurfacePart> surface_of(const ResolvedScene& scene, std::size_t w,
+                                      const Directions& directions, const BrdfParts& parts,
+                                      const Control& control) {
+    if (!wants_lobe(scene, parts)) return {};
+    const auto demand = parts.total ? SurfaceDemand::whole : SurfaceDemand::lobe;
+    return surface_part(scene, w, directions, demand, control);
+}
+
+BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene,
+                           const std::optional<SurfacePart>& surface, const Directions& directions,
+                           const BrdfParts& parts) {
     BrdfValues::Slice slice;
     slice.subsurface = std::move(layer.values);
     slice.mirror_reflectance = std::move(layer.mirror_reflectance);
     for (double& value : slice.subsurface) value /= std::numbers::pi;
-    std::optional<SurfacePart> surface;
-    if (wants_lobe(scene, parts)) {
-        const auto demand = parts.total ? SurfaceDemand::whole : SurfaceDemand::lobe;
-        surface = surface_part(scene, w, directions, demand, control);
-        slice.surface = std::move(surface->lobe);
-        if (parts.total) {
-            slice.total = total_of(parts.surface ? slice.surface : std::move(slice.surface),
-                                   *surface, slice.subsurface);
-        }
+    if (surface) {
+        if (parts.total) slice.total = total_of(surface->lobe, *surface, slice.subsurface);
+        if (parts.surface) slice.surface = surface->lobe;
     }
     add_physics(slice, directions);
     add_energy(slice, layer.plane_albedo, surface ? &*surface : nullptr, scene.coupling);
@@ -97,7 +99,6 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::si
         slice.total = parts.subsurface ? slice.subsurface : std::move(slice.subsurface);
     }
     if (!parts.subsurface) slice.subsurface = {};
-    if (!parts.surface) slice.surface = {};
     return slice;
 }
 
@@ -129,7 +130,8 @@ BrdfValues brdf_values(std::vector<LayerSlice> layers, const BrdfState& state,
     values.slices.resize(layers.size());
     run_parallel("surface", layers.size(), state.control, [&](std::size_t w) {
         values.slices[w] =
-            slice_of(std::move(layers[w]), scene, w, directions, parts, state.control);
+            slice_of(std::move(layers[w]), scene,
+                     surface_of(scene, w, directions, parts, state.control), directions, parts);
     });
     return values;
 }

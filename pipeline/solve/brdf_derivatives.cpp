@@ -2,10 +2,12 @@
 // that put it on.
 #include <miebrdf/brdf.h>
 
+#include <string>
 #include <utility>
 
 #include <miebrdf/transfer.h>
 
+#include "pipeline/cache/job_key.h"
 #include "pipeline/solve/brdf_parts.h"
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/layer_derivatives.h"
@@ -51,6 +53,13 @@ LayerSlice moved(const LayerSlice& values, const LayerSlice& slope, double step)
     return result;
 }
 
+/// Numbers of the layers leave the surface as it is.
+std::string surface_key(const ResolvedScene& scene, std::size_t w) {
+    JobKey key("surface");
+    if (scene.surface) add_surface(key, scene, w);
+    return key.hash();
+}
+
 /// Derivatives of what `put_together` makes of layers and surface, at one wavelength of one change.
 template <typename PutTogether>
 auto both_sides(const LayerSlice& values, const LayerSlice& slope, const SceneChange& change,
@@ -86,22 +95,30 @@ WithDerivatives<BrdfValues> BrdfDerivatives::evaluate(const Directions& directio
         BrdfValues& derivative = all.derivatives.emplace_back();
         derivative.directions = directions;
         derivative.slices.resize(layers.size());
-        run_parallel("surface", layers.size(), brdf.control, [&](std::size_t w) {
+    }
+    run_parallel("surface", layers.size(), brdf.control, [&](std::size_t w) {
+        const auto surface = surface_of(brdf.resolved, w, directions, parts, brdf.control);
+        const std::string key = surface_key(brdf.resolved, w);
+        for (std::size_t c = 0; c < slopes.size(); ++c) {
             const SceneChange& change = state_->changes[c];
             const auto [plus, minus] = both_sides(
                 layers[w], slopes[c][w], change, w,
                 [&](LayerSlice layer, const ResolvedScene& scene) {
-                    return slice_of(std::move(layer), scene, w, directions, parts, brdf.control);
+                    return slice_of(std::move(layer), scene,
+                                    surface_key(scene, w) == key
+                                        ? surface
+                                        : surface_of(scene, w, directions, parts, brdf.control),
+                                    directions, parts);
                 });
             const double apart = change.apart[w];
-            BrdfValues::Slice& slice = derivative.slices[w];
+            BrdfValues::Slice& slice = all.derivatives[c].slices[w];
             slice.subsurface = slope(plus.subsurface, minus.subsurface, apart);
             slice.surface = slope(plus.surface, minus.surface, apart);
             slice.total = slope(plus.total, minus.total, apart);
             slice.mirror_reflectance =
                 slope(plus.mirror_reflectance, minus.mirror_reflectance, apart);
-        });
-    }
+        }
+    });
     return all;
 }
 

@@ -3,16 +3,24 @@
 
 #include <miebrdf/brdf.h>
 
+#include <optional>
 #include <vector>
 
 #include "pipeline/solve/layers.h"
+#include "pipeline/solve/surface_part.h"
 
 namespace miebrdf {
 
+/// The surface's part that slice_of needs; nothing of scenes and parts without one.
+std::optional<SurfacePart> surface_of(const ResolvedScene& scene, std::size_t w,
+                                      const Directions& directions, const BrdfParts& parts,
+                                      const Control& control);
+
 /// The parts of a BRDF at one wavelength from its layers.
-BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene, std::size_t w,
-                           const Directions& directions, const BrdfParts& parts,
-                           const Control& control);
+/// @param surface  of surface_of
+BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene,
+                           const std::optional<SurfacePart>& surface, const Directions& directions,
+                           const BrdfParts& parts);
 
 /// The layers as far as these parts need them.
 std::vector<LayerSlice> layers_of(const BrdfState& state, const Directions& directions,

@@ -15,6 +15,7 @@
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/scene_optics.h"
+#include "pipeline/solve/size_lattice.h"
 #include "pipeline/solve/surface_part.h"
 #include "rte/derivatives/stack_derivatives.h"
 #include "rte/grid/discretisation.h"
@@ -82,9 +83,7 @@ class ChangedSpheres {
             const auto hash = [&](const ResolvedSpecies& one) {
                 return optics_hash(one, w, demand);
             };
-            const MediumOptics known = remembered_optics(control_, hash(species), [&] {
-                return compute_optics(species, w, demand, pieces);
-            });
+            const MediumOptics known = species_optics(control_, species, w, demand, pieces);
             const ResolvedSpecies &above = plus.species[s], &below = minus.species[s];
             if (is_same) {
                 plus_.memo->keep(hash(species), known);

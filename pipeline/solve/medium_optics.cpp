@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "pipeline/solve/grain_shape.h"
-#include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/packing.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/single_scattering.h"
+#include "pipeline/solve/size_lattice.h"
 
 namespace miebrdf {
 namespace {
@@ -44,13 +44,10 @@ class JobList {
         run_parallel("single scattering", jobs_.size(), control, [&](std::size_t j) {
             const auto [species, w] = jobs_[j];
             const OpticsDemand demand = crowd_demand(*species, of_all);
-            const auto compute = [&, species = species, w = w] {
-                return compute_optics(*species, w, demand, pieces);
-            };
             // Smooth phase functions are functions, not tables, and take milliseconds.
             done[j] = species->needs_mie() && !has_smooth_phase(species->species)
-                          ? remembered_optics(control, optics_hash(*species, w, demand), compute)
-                          : compute();
+                          ? species_optics(control, *species, w, demand, pieces)
+                          : compute_optics(*species, w, demand, pieces);
             if (species->crowded) done[j] = crowded(done[j], *species, w, demand.angles_deg);
         });
         return done;

@@ -21,6 +21,7 @@ namespace miebrdf {
 namespace rte {
 class RoughBoundaries;
 }
+class SizeLattice;
 
 /// Results as a row of numbers, for the cache.
 std::vector<double> packed(const MediumOptics& optics);
@@ -51,6 +52,9 @@ class OpticsMemo {
         return rough_boundaries_;
     }
     OpticsStore* shared() const { return shared_.get(); }
+
+    /// Where spheres of sizes that change come from (species_optics); set before the memo is used.
+    std::shared_ptr<const SizeLattice> lattice = {};
 
   private:
     mutable std::mutex mutex_;

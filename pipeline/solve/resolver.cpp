@@ -84,30 +84,6 @@ std::string cut_note(const Species& species) {
     return found;
 }
 
-/// Only numbers count: two names for the same figures are the same species. All members are named,
-/// so that one which is added has to be looked at here.
-std::string key_of(const ResolvedSpecies& resolved, std::size_t w) {
-    // Crowding, and how much of it there is, belong to the mixture.
-    const auto& [species, particles, wavelength_nm, size_distribution, effective_radius_um,
-                 outer_radius_um, volume_per_core, volume_fraction, of_density, crowded,
-                 crowd_fraction, crowd, known_key] = resolved;
-    const auto& [kind, name, parameters, chi, table_nm, matrices, index, scattering, sizes,
-                 coatings, shape, phase, density_g_cm3, amount] = species;
-    JobKey key("species");
-    if (!particles.empty())
-        return key.add(particles[w]).add(size_distribution).add(shape).add(phase).hash();
-    key.add(kind).add(parameters).add(chi);
-    const bool has_extinction = resolved.has_extinction();
-    if (has_extinction || !matrices.empty()) {
-        const rte::Optics optics = kind_of(species).optics(species, wavelength_nm[w]);
-        key.add(optics.single_scattering_albedo).add(optics.chi);
-        if (optics.polarisation) key.add<MatrixExpansion>(*optics.polarisation);
-    }
-    if (has_extinction)
-        key.add(extinction_of_file(species, wavelength_nm[w])).add(scattering.phase.size());
-    return key.hash();
-}
-
 std::string key_of(const ResolvedMedium& medium, std::size_t w) {
     const double host = medium.host_absorption[w];
     const ResolvedSpecies& first = medium.species.front();
@@ -156,6 +132,30 @@ double absorption_per_um(double k, double wavelength_nm) {
 
 }  // namespace
 
+/// Only numbers count: two names for the same figures are the same species. All members are named,
+/// so that one which is added has to be looked at here.
+std::string species_key(const ResolvedSpecies& resolved, std::size_t w) {
+    // Crowding, and how much of it there is, belong to the mixture.
+    const auto& [species, particles, wavelength_nm, size_distribution, effective_radius_um,
+                 outer_radius_um, volume_per_core, volume_fraction, of_density, crowded,
+                 crowd_fraction, crowd, known_key] = resolved;
+    const auto& [kind, name, parameters, chi, table_nm, matrices, index, scattering, sizes,
+                 coatings, shape, phase, density_g_cm3, amount] = species;
+    JobKey key("species");
+    if (!particles.empty())
+        return key.add(particles[w]).add(size_distribution).add(shape).add(phase).hash();
+    key.add(kind).add(parameters).add(chi);
+    const bool has_extinction = resolved.has_extinction();
+    if (has_extinction || !matrices.empty()) {
+        const rte::Optics optics = kind_of(species).optics(species, wavelength_nm[w]);
+        key.add(optics.single_scattering_albedo).add(optics.chi);
+        if (optics.polarisation) key.add<MatrixExpansion>(*optics.polarisation);
+    }
+    if (has_extinction)
+        key.add(extinction_of_file(species, wavelength_nm[w])).add(scattering.phase.size());
+    return key.hash();
+}
+
 bool has_mirror(const Scene& scene) {
     return scene.substrate && scene.substrate->kind == Substrate::Kind::mirror;
 }
@@ -196,7 +196,7 @@ ResolvedMedium Resolver::host_alone(const Medium& medium,
     resolved.species.push_back({.species = clear, .wavelength_nm = wavelength_nm});
     ResolvedSpecies& species = resolved.species.front();
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
-        species.key.push_back(key_of(species, w));
+        species.key.push_back(species_key(species, w));
         resolved.key.push_back(species.key.back());
     }
     resolved.host_absorption.assign(wavelength_nm.size(), 0.0);
@@ -280,7 +280,7 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
         if (std::string note = cut_note(species); !note.empty()) add_note(std::move(note));
     }
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
-        resolved.key.push_back(key_of(resolved, w));
+        resolved.key.push_back(species_key(resolved, w));
     return resolved;
 }
 

@@ -8,6 +8,9 @@
 
 namespace miebrdf {
 
+/// What the optics of a species depend on at a wavelength (ResolvedSpecies::key).
+std::string species_key(const ResolvedSpecies& species, std::size_t w);
+
 /// Looks up the parts of one scene.
 class Resolver {
   public:

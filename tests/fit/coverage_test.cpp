@@ -144,3 +144,41 @@ TEST_CASE("95 % intervals cover 95 % of 300 draws in each kind of problem", "[.]
         }
     }
 }
+
+TEST_CASE("the grain radius of synthetic snow is within its stated error", "[.][coverage]") {
+    if (!has_fit()) return;
+    // Near-infrared albedos as SNICAR has them (Warren's ice by way of Picard 2016), noise of 1 %.
+    const std::vector<double> nm = {900, 950, 1000, 1030, 1060, 1100, 1150, 1200, 1250, 1300};
+    const std::string words = "H2O_ice/SNICAR-Pic16,variance=0.2,distribution=log-normal,radius=";
+    int covered = 0, draws = 0;
+    double squares = 0.0;
+    for (const double radius : {60.0, 150.0, 400.0, 900.0}) {
+        const AlbedoValues truth =
+            solve(support::scene_of(words + std::to_string(radius)), nm, {.tolerance = 1e-4})
+                .albedo({0.6});
+        for (unsigned draw = 1; draw <= 10; ++draw, ++draws) {
+            std::mt19937 engine(draw);
+            std::normal_distribution<double> normal;
+            FitProblem problem{.scene = {{"base", {words + "{r}"}}},
+                               .unknowns = {unknown("r", "200 in 20:2000 log")},
+                               .data = {{.name = "snow"}}};
+            for (std::size_t w = 0; w < nm.size(); ++w) {
+                const double albedo = truth.plane_albedo[w][0];
+                problem.data[0].values.push_back({.geometry = MeasuredGeometry::directional,
+                                                  .wavelength_nm = nm[w],
+                                                  .mu_in = 0.6,
+                                                  .value = albedo * (1.0 + 0.01 * normal(engine)),
+                                                  .sigma = 0.01 * albedo});
+            }
+            const FitResult result = fit(problem);
+            REQUIRE(result.converged);
+            const FittedValue& r = result.values[0];
+            covered += r.interval_low <= radius && radius <= r.interval_high;
+            squares += std::pow(std::log(r.value / radius) * r.value / r.standard_error, 2);
+        }
+    }
+    fmt::print("radius of synthetic snow: {} of {} covered, rms {:.3f} standard errors\n", covered,
+               draws, std::sqrt(squares / draws));
+    // Fewer than 34 of 40 are covered once in 500 times where 95 % should be.
+    CHECK(covered >= 34);
+}

@@ -90,7 +90,10 @@ TEST_CASE("what is wrong with a fit file is said with its place and what would h
         {"snow.csv", "white.csv", "more light than came in"},
         {"snow.csv", "none.csv", "none.csv"},
         {"sigma = 0.01", "sigma = -1", "sigma"},
-        {"sigma = 0.01", "wavelengths = \"2000:2100\"", "no values"},
+        {"sigma = 0.01", "wavelengths = \"2000:2100\"", "the data have 900 to 1000 nm"},
+        {"plane_albedo", "d8-sci", "d8-sci and d8-sce are at 8 degrees"},
+        {"plane_albedo", "hemispherical", "hemispherical from all sides"},
+        {"plane_albedo", "45-0", "45-0 from 45 degrees"},
         {"100 in 20:1000 log\"", "100 in 20:1000 log\"\nb = 3", "an unknown is a text"},
     };
     for (const Case& c : cases) {

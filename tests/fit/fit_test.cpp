@@ -303,6 +303,117 @@ TEST_CASE("an interrupted fit keeps the best so far", "[fit]") {
     CHECK(std::isfinite(result.chi_squared));
 }
 
+TEST_CASE("sizes from a lattice give the radius that averages of their own give", "[fit]") {
+    require_fit();
+    const std::vector<double> nm = {450, 550, 650, 800, 1000};
+    const AlbedoValues truth =
+        solve(support::scene_of("index:1.5,0.002,radius=0.6,variance=0.1"), nm, {.tolerance = 1e-5})
+            .albedo({0.7});
+    FitData data{.name = "spectrum"};
+    for (std::size_t w = 0; w < nm.size(); ++w)
+        data.values.push_back({.wavelength_nm = nm[w],
+                               .mu_in = 0.7,
+                               .value = truth.plane_albedo[w][0],
+                               .sigma = 5e-3});
+    const auto radius_of = [&](const std::string& law) {
+        return fit({.scene = {{"base", {"index:1.5,0.002,radius={r},variance=0.1" + law}}},
+                    .unknowns = {unknown("r", "0.9 in 0.3:3 log")},
+                    .data = {data}});
+    };
+    const FitResult smooth = radius_of("");
+    REQUIRE(smooth.interpolation_shift);
+    CHECK(*smooth.interpolation_shift <= 0.1);
+    CHECK(smooth.converged);
+    // Both the data's tolerance and the scene's are well below a standard error.
+    CHECK(std::abs(value_of(smooth, "r").value - 0.6) <=
+          0.5 * value_of(smooth, "r").standard_error);
+    // Spheres of one size have no lattice.
+    CHECK_FALSE(radius_of(",distribution=mono").interpolation_shift);
+}
+
+TEST_CASE("scattered directions give back the medium that they were computed of", "[fit]") {
+    require_fit();
+    // 60 values at directions of their own: 216,000 combinations, which are not solved.
+    const Brdf truth = solve(support::scene_of("hg:0.95,0.5"), {550}, {.tolerance = 1e-5});
+    FitData data{.name = "scattered"};
+    for (int i = 0; i < 60; ++i) {
+        const double in = 0.1 + 0.9 * std::fmod(0.7548 * i, 1.0),
+                     out = 0.1 + 0.9 * std::fmod(0.5698 * i, 1.0),
+                     azimuth = 180.0 * std::fmod(0.618 * i, 1.0);
+        MeasuredValue value{.quantity = MeasuredQuantity::brdf,
+                            .geometry = MeasuredGeometry::directions,
+                            .wavelength_nm = 550,
+                            .mu_in = in,
+                            .mu_out = out,
+                            .azimuth_deg = azimuth};
+        value.value = truth.evaluate({{in}, {out}, {azimuth}}).at(0, 0, 0, 0);
+        value.sigma = 0.01 * value.value;
+        data.values.push_back(value);
+    }
+    const FitResult result =
+        fit({.scene = {{"base", {"hg:{w},{g}"}}},
+             .unknowns = {unknown("w", "0.8 in 0.1:0.9999 log1m"), unknown("g", "0.2 in -0.5:0.9")},
+             .data = {data}});
+    CHECK(result.converged);
+    // A table interpolates to its tolerance, a tenth of the sigmas.
+    CHECK(std::abs(value_of(result, "w").value - 0.95) <= value_of(result, "w").standard_error);
+    CHECK(std::abs(value_of(result, "g").value - 0.5) <= value_of(result, "g").standard_error);
+    CHECK(result.chi_squared <= 60 * 0.01);
+}
+
+TEST_CASE("reflectance factors under sun and sky give back the medium", "[fit]") {
+    require_fit();
+    const double share = 0.3;
+    const Directions directions{{0.6}, {0.4, 0.7, 1.0}, {0, 90, 180}};
+    const HdrfValues truth =
+        solve(support::scene_of("hg:0.97,0.6"), {550}, {.tolerance = 1e-5}).hdrf(directions, share);
+    FitData data{.name = "field", .diffuse_fraction = share};
+    for (std::size_t o = 0; o < 3; ++o) {
+        for (std::size_t a = 0; a < 3; ++a)
+            data.values.push_back({.quantity = MeasuredQuantity::reflectance_factor,
+                                   .geometry = MeasuredGeometry::hdrf,
+                                   .wavelength_nm = 550,
+                                   .mu_in = 0.6,
+                                   .mu_out = directions.mu_out[o],
+                                   .azimuth_deg = directions.azimuth_deg[a],
+                                   .value = truth.hdrf[0][o * 3 + a],
+                                   .sigma = 0.005});
+    }
+    FitProblem problem{
+        .scene = {{"base", {"hg:{w},{g}"}}},
+        .unknowns = {unknown("w", "0.9 in 0.1:0.9999 log1m"), unknown("g", "0.3 in -0.5:0.9")},
+        .data = {data}};
+    const FitResult result = fit(problem);
+    CHECK(result.converged);
+    CHECK(std::abs(value_of(result, "w").value - 0.97) <= 2e-3);
+    CHECK(std::abs(value_of(result, "g").value - 0.6) <= 1e-2);
+    // The sky belongs to the data: under the sun alone other numbers meet them worse.
+    problem.data[0].diffuse_fraction = 0.0;
+    CHECK(fit(problem).chi_squared > 10.0 * result.chi_squared + 1.0);
+}
+
+TEST_CASE("a start where nothing seems to depend on a number is left", "[fit]") {
+    require_fit();
+    // At g = 0 the phase function has a single moment, and none that g could change.
+    const FitProblem problem{
+        .scene = {{"base", {"hg:{w},{g}"}}},
+        .unknowns = {unknown("w", "0.9 in 0.1:0.9999 log1m"), unknown("g", "0 in -0.5:0.9")},
+        .data = {albedos_of(support::scene_of("hg:0.97,0.6"), kCosines, 0.0)}};
+    CHECK(std::abs(value_of(fit(problem), "g").value - 0.6) <= 1e-2);
+}
+
+TEST_CASE("intervals have the digits that show their width, and doubts of files are repeated",
+          "[fit]") {
+    require_fit();
+    FitProblem problem{.scene = {{"base", {"hg:{w},0"}}},
+                       .unknowns = {unknown("w", "0.999 in 0.1:0.99999999 log1m")},
+                       .data = {albedos_of(support::scene_of("hg:0.99999,0"), kCosines, 1e-4)}};
+    problem.data[0].doubts = {"a value is missing"};
+    const FitResult result = fit(problem);
+    CHECK_THAT(value_of(result, "w").note, Contains("0.99999") && !Contains("to 1"));
+    CHECK(has_line(result.notes, "a value is missing"));
+}
+
 TEST_CASE("several starts list their minima", "[fit]") {
     require_fit();
     FitProblem problem{.scene = {{"base", {"hg:{w},0"}}},

@@ -2,7 +2,10 @@
 
 import json
 import math
+import os
+import signal
 import subprocess
+import threading
 
 import numpy as np
 import pytest
@@ -46,6 +49,24 @@ def test_reprs_have_values_and_what_is_not_determined():
     found = miebrdf.fit(problem())
     assert "w = 0.9" in repr(found)
     assert "<table>" in found._repr_html_() and "degrees of freedom" in found._repr_html_()
+
+
+def test_ctrl_c_gives_the_best_so_far():
+    slow = {
+        "scene": {"base": "index:1.5,{k},radius={r},distribution=mono"},
+        "unknowns": {"k": "1e-5 in 1e-7:1e-2 log", "r": "30 in 5:80 log"},
+        "measured": [{"values": [0.6] * 20, "wavelength_nm": np.arange(500, 700, 10),
+                      "quantity": "spherical_albedo", "sigma": 1e-4}],
+    }  # fmt: skip
+    timer = threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        found = miebrdf.fit(slow, threads=1)
+        timer.join()  # a fit that has ended before is interrupted here
+    except KeyboardInterrupt:
+        pytest.skip("the fit has ended before")
+    assert found.interrupted and not found.converged
+    assert found["k"] > 0 and "interrupted" in repr(found)
 
 
 def test_wrong_problems_say_what_would_help():

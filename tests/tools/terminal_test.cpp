@@ -253,6 +253,28 @@ TEST_CASE("a run that is interrupted keeps the wavelengths it has finished",
     CHECK(entries() < 3001);
 }
 
+TEST_CASE("a fit that is interrupted prints the best so far", "[program][interrupt]") {
+    const support::TemporaryFolder folder, cache;
+    // Two numbers of the averages of large spheres at 20 wavelengths: some seconds.
+    std::string rows = "wavelength_nm,albedo\n";
+    for (int i = 0; i < 20; ++i) rows += std::to_string(500 + 10 * i) + ",0.6\n";
+    folder.write("flat.csv", rows);
+    const std::string file =
+        folder.write("fit.toml",
+                     "[scene]\nbase = \"index:1.5,{k},radius={r},distribution=mono\"\n"
+                     "[unknowns]\nk = \"1e-5 in 1e-7:1e-2 log\"\nr = \"30 in 5:80 log\"\n"
+                     "[[measured]]\nfile = \"flat.csv\"\nquantity = \"spherical_albedo\"\n"
+                     "sigma = 1e-4\n");
+    Background program({"fit", file, "--threads=1", "--no-cache"}, cache.path(), cache / "said");
+    program.let_work(1.0);
+    REQUIRE(program.running());
+    program.send(SIGINT);
+    CHECK(program.wait() == 4);  // not converged
+    const std::string said = support::read_file(cache / "said");
+    CHECK_THAT(said, Catch::Contains("interrupted: the best so far"));
+    CHECK_THAT(said, Catch::Contains("\nk,,") && Catch::Contains("\nr,,"));
+}
+
 TEST_CASE("programs that share a new cache neither fail nor disagree", "[program][cache]") {
     const support::TemporaryFolder folder, cache, cache_of_one;
     const auto start = [&](const std::string& name, const support::TemporaryFolder& its_cache) {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <numbers>
+#include <set>
+#include <utility>
 
 #include <miebrdf/error.h>
 #include "pipeline/plot/chart.h"
@@ -41,7 +43,7 @@ struct Series {
         double x, measured, model;
     };
     std::vector<At> shown = {};
-    std::vector<double> residual_x = {}, residual = {};
+    std::vector<double> residual_x = {}, residual = {}, measured = {};  ///< of all
 };
 
 std::vector<plot::Curve> curves_of(std::vector<Series>& all) {
@@ -76,6 +78,34 @@ std::vector<plot::Curve> residuals_of(const std::vector<Series>& all) {
     return curves;
 }
 
+/// Lines and colours that can be told apart.
+constexpr std::size_t kMostSeries = 12;
+
+/// "light at 15°", with the wavelength where there are several.
+std::string light_of(const MeasuredValue& value, bool several_wavelengths) {
+    const double tenths = std::round(10.0 * degrees(value.mu_in)) / 10.0;
+    return several_wavelengths ? fmt::format("light at {}°, {} nm", tenths, value.wavelength_nm)
+                               : fmt::format("light at {}°", tenths);
+}
+
+/// In place of more lines than can be told apart: the model's values over the measured ones.
+std::vector<plot::Curve> model_over_measured(const std::vector<Series>& all) {
+    plot::Curve values, equal;
+    values.mark = plot::Mark::points;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Series& series : all) {
+        for (std::size_t i = 0; i < series.residual.size(); ++i) {
+            values.x.push_back(series.measured[i]);
+            values.y.push_back(series.measured[i] + series.residual[i]);
+            low = std::min(low, series.measured[i]);
+            high = std::max(high, series.measured[i]);
+        }
+    }
+    equal.x = equal.y = {low, high};
+    equal.colour = 1;
+    return {values, equal};
+}
+
 Series& series_of(std::vector<Series>& all, const std::string& label) {
     for (Series& known : all) {
         if (known.label == label) return known;
@@ -89,6 +119,15 @@ Series& series_of(std::vector<Series>& all, const std::string& label) {
 plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
                        const plot::Caption& caption) {
     std::vector<Series> spectra, views;
+    std::set<double> wavelengths;
+    bool any_brdf = false;
+    for (const FitResidual& residual : result.residuals) {
+        if (!has_view(residual.measured)) continue;
+        wavelengths.insert(residual.measured.wavelength_nm);
+        any_brdf = any_brdf || residual.measured.quantity == MeasuredQuantity::brdf;
+    }
+    const std::string quantity = any_brdf ? "BRDF" : "reflectance factor";
+    const std::string unit = any_brdf ? " [1/sr]" : "";
     for (const FitResidual& residual : result.residuals) {
         const MeasuredValue& value = residual.measured;
         if (!(value.wavelength_nm > 0.0)) continue;  // a colour
@@ -102,24 +141,36 @@ plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
             series.residual.push_back(difference);
             continue;
         }
-        Series& series = series_of(views, fmt::format("light at {:.3g}°", degrees(value.mu_in)));
+        Series& series = series_of(views, light_of(value, wavelengths.size() > 1));
         const double angle = signed_angle(value);
         if (is_in_plane(value)) series.shown.push_back({angle, value.value, residual.model});
         series.residual_x.push_back(angle);
         series.residual.push_back(difference);
+        series.measured.push_back(value.value);
     }
     std::vector<plot::Panel> panels;
-    const auto add = [&](std::vector<Series>& all, const plot::AxisOptions& x, const char* y,
-                         const char* residuals) {
+    const auto add = [&](std::vector<Series>& all, const plot::AxisOptions& x, const std::string& y,
+                         const std::string& residuals) {
         if (all.empty()) return;
         panels.push_back({.x = x, .y = {.label = y}, .curves = curves_of(all)});
         panels.push_back(
             {.x = x, .y = {.label = residuals}, .curves = residuals_of(all), .height = 110.0});
     };
-    if (spectra.empty()) {
-        add(views,
-            {.label = "angle of view [°], light from the left", .lowest = -90.0, .highest = 90.0},
-            "BRDF in the plane of incidence [1/sr]", "model - measured, all");
+    const plot::AxisOptions angles{
+        .label = "angle of view [°], light from the left", .lowest = -90.0, .highest = 90.0};
+    if (spectra.empty() && views.size() <= kMostSeries) {
+        add(views, angles, quantity + " in the plane of incidence" + unit, "model - measured, all");
+    } else if (spectra.empty()) {
+        panels.push_back({.x = {.label = "measured " + quantity + unit},
+                          .y = {.label = "model" + unit},
+                          .curves = model_over_measured(views)});
+        for (Series& series : views) series.label.clear();
+        std::vector<plot::Curve> residuals = residuals_of(views);
+        for (plot::Curve& curve : residuals) curve.colour = 0;
+        panels.push_back({.x = angles,
+                          .y = {.label = "model - measured"},
+                          .curves = std::move(residuals),
+                          .height = 110.0});
     }
     add(spectra, {.label = "wavelength [nm]"}, "share of the light", "model - measured");
     if (panels.empty())

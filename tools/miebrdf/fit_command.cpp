@@ -154,6 +154,12 @@ Table fit_table(const FitProblem& problem, const FitResult& result, bool with_re
     }
     facts.emplace_back("iterations", double(result.iterations));
     facts.emplace_back("solved_scenes", double(result.solved_scenes));
+    if (result.interpolation_shift) {
+        facts.emplace_back("interpolated_sizes",
+                           fmt::format("averages of their own would move no number by more than "
+                                       "{:.2g} of its standard error",
+                                       *result.interpolation_shift));
+    }
     if (!result.converged) facts.emplace_back("not converged", result.reason);
     table.columns = {"unknown", "wavelength_nm", "value", "standard_error",
                      "start",   "low",           "high",  "note"};
@@ -190,11 +196,14 @@ void write_file(const std::string& path, const std::function<void(std::ostream&)
 std::string title_of(const FitResult& result) {
     std::string title;
     for (const FittedValue& value : result.values) {
-        if (!value.wavelength_nm)
-            title +=
-                fmt::format("{}{} {:.4g}", title.empty() ? "" : ", ", value.unknown, value.value);
+        if (value.wavelength_nm) continue;
+        // Two digits of the error: albedos near 1 are not 1.
+        const double share = value.standard_error / std::abs(value.value);
+        const int digits = share > 0.0 ? int(std::ceil(-std::log10(share))) + 1 : 4;
+        title += fmt::format("{}{} {:.{}g}", title.empty() ? "" : ", ", value.unknown, value.value,
+                             std::clamp(digits, 3, 15));
     }
-    return title;
+    return title.empty() ? "measured (circles) and fitted (lines)" : title;
 }
 
 int run_fit(const FitProblem& problem, const FitArguments& arguments, const Shell& shell) {

@@ -69,7 +69,7 @@ py::dict run_fit(const std::string& text, const std::string& folder, const std::
     FitProblem problem = read_fit_text(text, folder, name);
     if (starts > 0) problem.starts = starts;
     LongCall call(options);
-    const FitResult result = call.run([&] { return fit(problem, call.control()); });
+    const FitResult result = call.run_until_stopped([&] { return fit(problem, call.control()); });
     py::dict facts;
     facts["values"] = values_of(result);
     facts["residuals"] = residuals_of(problem, result);
@@ -90,9 +90,11 @@ py::dict run_fit(const std::string& text, const std::string& folder, const std::
     }
     facts["minima"] = minima;
     facts["converged"] = result.converged;
+    facts["interrupted"] = result.interrupted;
     facts["reason"] = result.reason;
     facts["iterations"] = result.iterations;
     facts["solved_scenes"] = result.solved_scenes;
+    facts["interpolation_shift"] = result.interpolation_shift;
     facts["scene_file"] = result.scene_file;
     return facts;
 }

@@ -42,6 +42,18 @@ class LongCall {
         return std::move(*result);
     }
 
+    /// The same of work that gives what it has when it is stopped: after Ctrl-C, too.
+    template <typename Work>
+    auto run_until_stopped(const Work& work) {
+        std::optional<decltype(work())> result;
+        try {
+            run_watched([&] { result.emplace(work()); });
+        } catch (const py::error_already_set& error) {
+            if (!result || !error.matches(PyExc_KeyboardInterrupt)) throw;
+        }
+        return std::move(*result);
+    }
+
   private:
     struct Watch;
     void run_watched(const std::function<void()>& work);

@@ -41,6 +41,11 @@ class Fit:
         Of several starts: ``chi_squared``, ``starts`` and ``values``, the best first.
     converged, reason : bool, str
         Whether a minimum was found, and why not.
+    interrupted : bool
+        Ctrl-C ended the search: the values are the best so far.
+    interpolation_shift : float or None
+        By so many of their standard errors averages over sizes of their own would move the numbers,
+        at most; None: no sizes are interpolated.
     scene_file : str
         The fitted scene, for `miebrdf run`.
 
@@ -60,9 +65,11 @@ class Fit:
     notes: list[str]
     minima: list[dict[str, Any]]
     converged: bool
+    interrupted: bool
     reason: str
     iterations: int
     solved_scenes: int
+    interpolation_shift: float | None
     scene_file: str
 
     def __init__(self, facts: Mapping[str, Any]) -> None:
@@ -138,7 +145,7 @@ class Fit:
             error = self.values["standard_error"][i]
             rows.append((
                 name if math.isnan(nm) else f"{name}, {nm:g} nm",
-                f"{self.values['value'][i]:.6g}",
+                _rounded(self.values["value"][i], error),
                 "" if math.isnan(error) else f"{error:.2g}",
                 self.values["note"][i],
             ))  # fmt: skip
@@ -164,6 +171,14 @@ class Fit:
         )
         lines = "".join(f"<p>{html.escape(line)}</p>" for line in self._summary())
         return f"<table><tr>{head}</tr>{body}</table>{lines}"
+
+
+def _rounded(value: float, error: float) -> str:
+    """Six digits, or as many as show two of the error."""
+    digits = 6
+    if error > 0.0 and value != 0.0:
+        digits = max(digits, math.ceil(math.log10(abs(value) / error)) + 2)
+    return f"{value:.{digits}g}"
 
 
 def fit(
@@ -192,6 +207,7 @@ def fit(
     Returns
     -------
     Fit
+        After Ctrl-C too, with the best so far: read ``converged`` or ``interrupted``.
 
     Raises
     ------

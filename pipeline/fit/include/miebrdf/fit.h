@@ -50,9 +50,10 @@ struct FitData {
     /// it is not known.
     std::vector<MeasuredValue> values = {};
     std::vector<SceneText> scene = {};  ///< words that differ from the problem's; no values: none
-    bool free_scale = false;            ///< the values are known up to one common factor
-    double diffuse_fraction = 0.0;      ///< of hdrf, in [0, 1]
-    Viewing viewing = {};               ///< of Lab, of the plane albedo over 400 to 700 nm
+    std::vector<std::string> doubts = {};  ///< of their file: FitResult::notes repeats them
+    bool free_scale = false;               ///< the values are known up to one common factor
+    double diffuse_fraction = 0.0;         ///< of hdrf, in [0, 1]
+    Viewing viewing = {};                  ///< of Lab, of the plane albedo over 400 to 700 nm
 };
 
 /// How residuals beyond a few sigma count: as their square, linearly (Huber),
@@ -126,7 +127,10 @@ struct FitResult {
     bool interrupted = false;  ///< by Control::is_cancelled: values are the best so far
     std::string reason = {};   ///< why it is not converged
     int iterations = 0;
-    int solved_scenes = 0;        ///< how many
+    int solved_scenes = 0;  ///< how many
+    /// Of optics that come from a lattice of sizes: by so many of their standard errors averages of
+    /// their own would move the numbers, at most. Empty: there is no lattice.
+    std::optional<double> interpolation_shift = {};
     std::string scene_file = {};  ///< the fitted scene, a scene file for `miebrdf run`
 };
 

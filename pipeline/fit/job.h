@@ -1,0 +1,59 @@
+// Scenes to be solved, each once for all measured values that it gives.
+#pragma once
+
+#include <miebrdf/brdf.h>
+#include <miebrdf/fit.h>
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pipeline/fit/unknowns.h"
+#include "pipeline/scene/scene_template.h"
+
+namespace miebrdf::fitting {
+
+/// What a scene is asked for.
+enum class Kind { albedo, brdf, hdrf, lab };
+
+struct Job {
+    struct Use {
+        std::size_t value = 0;  ///< index over all data
+        MeasuredQuantity quantity = MeasuredQuantity::reflectance;
+        MeasuredGeometry geometry = MeasuredGeometry::directional;
+        /// Indices of this job; `point` where is_scattered().
+        std::size_t wavelength = 0, in = 0, out = 0, azimuth = 0, point = 0;
+        std::optional<std::size_t> scale;  ///< slot
+    };
+    std::vector<TemplateWord> words;
+    std::set<std::string> names;  ///< of unknowns in them
+    Kind kind = Kind::albedo;
+    double diffuse_fraction = 0.0;
+    Viewing viewing = {};
+    std::optional<std::size_t> only_wavelength;  ///< index in the model's: unknowns differ there
+    std::vector<double> wavelength_nm;
+    Directions directions = {};  ///< every combination of them
+    /// In place of the combinations, where these would be very many more than the values.
+    std::vector<Direction> points = {};
+    std::vector<Use> uses;
+    int streams = 0;  ///< 0: chosen by the solver
+
+    bool is_scattered() const { return !points.empty(); }
+};
+
+/// The scene's words with those that a data set has of its own.
+std::vector<TemplateWord> words_of(const FitProblem& problem, const FitData& data);
+
+/// All wavelengths of the data, ascending, each once.
+std::vector<double> wavelengths_of(const FitProblem& problem);
+
+/// @param slots  slots_of the problem
+std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slots);
+
+/// The slot of an unknown at a wavelength.
+std::size_t slot_of(const FitProblem& problem, const std::vector<Slot>& slots,
+                    const std::string& name, std::size_t wavelength);
+
+}  // namespace miebrdf::fitting

@@ -1,0 +1,197 @@
+#include "pipeline/fit/solved_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <miebrdf/colour.h>
+#include <miebrdf/error.h>
+#include "pipeline/fit/problem.h"
+
+namespace miebrdf::fitting {
+namespace {
+
+/// A colour is differentiated along the spectrum's own derivative by a step of this share: half
+/// the digits of a smooth formula.
+constexpr double kColourStep = 1e-5;
+
+std::vector<double> spectrum_at(const AlbedoValues& values, std::size_t in) {
+    std::vector<double> spectrum;
+    for (const std::vector<double>& at : values.plane_albedo) spectrum.push_back(at[in]);
+    return spectrum;
+}
+
+double of_lab(MeasuredQuantity quantity, const Lab& lab) {
+    if (quantity == MeasuredQuantity::lab_l) return lab.l;
+    return quantity == MeasuredQuantity::lab_a ? lab.a : lab.b;
+}
+
+double albedo_value(const AlbedoValues& values, MeasuredQuantity quantity,
+                    MeasuredGeometry geometry, std::size_t w, std::size_t in) {
+    const bool from_all_sides = geometry == MeasuredGeometry::hemispherical;
+    if (quantity == MeasuredQuantity::transmittance) {
+        if (values.plane_transmittance.empty())
+            throw UsageError("a transmittance needs layers on a substrate: none, black, lambert:A");
+        return from_all_sides ? values.spherical_transmittance[w]
+                              : values.plane_transmittance[w][in];
+    }
+    if (from_all_sides) return values.spherical_albedo[w];
+    const double albedo = values.plane_albedo[w][in];
+    const bool has_mirror = !values.mirror_reflectance.empty();
+    return geometry == MeasuredGeometry::d8_sce && has_mirror
+               ? albedo - values.mirror_reflectance[w][in]
+               : albedo;
+}
+
+/// The values of a job, one kind of them after the other.
+class JobSolver {
+  public:
+    JobSolver(const Job& job, const Request& request, const Control& control,
+              const std::vector<std::string>& names)
+        : job_(job),
+          request_(request),
+          names_(names),
+          brdf_(solve(request.scene, job.wavelength_nm, request.solver, control)) {}
+
+    SolvedJob solved() {
+        switch (job_.kind) {
+            case Kind::albedo:
+                add_albedos();
+                break;
+            case Kind::lab:
+                add_colours();
+                break;
+            case Kind::brdf:
+            case Kind::hdrf:
+                add_reflectances();
+                break;
+        }
+        return std::move(solved_);
+    }
+
+  private:
+    /// Of the values and of each derivative alike.
+    template <typename Values, typename ValueIn>
+    void fill(const WithDerivatives<Values>& with, const ValueIn& value_in) {
+        const auto column = [&](const Values& values) {
+            std::vector<double> all;
+            for (const Job::Use& use : job_.uses) all.push_back(value_in(values, use));
+            return all;
+        };
+        solved_.values = column(with.values);
+        for (const Values& derivative : with.derivatives)
+            solved_.derivatives.push_back(column(derivative));
+        count_streams(with.values);
+    }
+
+    void count_streams(const ResultReport& report) {
+        for (const WavelengthReport& at : report.wavelengths)
+            solved_.streams = std::max(solved_.streams, at.solver.streams);
+    }
+
+    WithDerivatives<AlbedoValues> albedo(const std::vector<double>& mu_in) const {
+        return names_.empty() ? WithDerivatives<AlbedoValues>{brdf_.albedo(mu_in), {}, {}}
+                              : brdf_.derivatives(names_).albedo(mu_in);
+    }
+
+    void add_albedos() {
+        fill(albedo(job_.directions.mu_in), [](const AlbedoValues& values, const Job::Use& use) {
+            return albedo_value(values, use.quantity, use.geometry, use.wavelength, use.in);
+        });
+    }
+
+    void add_colours() {
+        const Colorimeter colorimeter(job_.wavelength_nm, job_.viewing);
+        const auto with = albedo(job_.directions.mu_in);
+        fill(with, [&](const AlbedoValues& values, const Job::Use& use) {
+            std::vector<double> spectrum = spectrum_at(with.values, use.in);
+            if (&values == &with.values) return of_lab(use.quantity, colorimeter(spectrum).lab);
+            const std::vector<double> slope = spectrum_at(values, use.in);
+            const auto moved = [&](double step) {
+                std::vector<double> at = spectrum;
+                for (std::size_t w = 0; w < at.size(); ++w) at[w] += step * slope[w];
+                return of_lab(use.quantity, colorimeter(at).lab);
+            };
+            double largest = 0.0;
+            for (const double each : slope) largest = std::max(largest, std::abs(each));
+            if (largest == 0.0) return 0.0;
+            const double step = kColourStep / largest;
+            return (moved(step) - moved(-step)) / (2.0 * step);
+        });
+    }
+
+    /// Sun and sky apart (Brdf::hdrf).
+    void add_reflectances() {
+        const double share = job_.kind == Kind::hdrf ? job_.diffuse_fraction : 0.0;
+        std::optional<WithDerivatives<AlbedoValues>> sky;
+        if (share > 0.0) {
+            if (request_.scene.surface) brdf_.hdrf({{1.0}, {1.0}, {0.0}}, share);  // may refuse it
+            sky = albedo(job_.directions.mu_out);
+        }
+        const auto in_unit_of = [&](const Job::Use& use, double f, const AlbedoValues* of_sky) {
+            if (use.quantity == MeasuredQuantity::brdf) return f;
+            const double factor = std::numbers::pi * f;
+            if (of_sky == nullptr) return factor;
+            return (1.0 - share) * factor + share * of_sky->plane_albedo[use.wavelength][use.out];
+        };
+        if (job_.is_scattered()) {
+            const BrdfTable table = brdf_.table();
+            const std::size_t stride = job_.wavelength_nm.size();
+            std::vector<double> values(job_.points.size() * stride);
+            table.evaluate(job_.points, values);
+            for (const Job::Use& use : job_.uses)
+                solved_.values.push_back(in_unit_of(use,
+                                                    values[use.point * stride + use.wavelength],
+                                                    sky ? &sky->values : nullptr));
+            count_streams(table.report());
+            return;
+        }
+        const BrdfParts whole{.subsurface = false, .surface = false, .total = true};
+        const auto sun =
+            names_.empty()
+                ? WithDerivatives<BrdfValues>{brdf_.evaluate(job_.directions, whole), {}, {}}
+                : brdf_.derivatives(names_).evaluate(job_.directions, whole);
+        fill(sun, [&](const BrdfValues& values, const Job::Use& use) {
+            const AlbedoValues* of_sky = nullptr;
+            if (sky) {
+                of_sky = &values == &sun.values
+                             ? &sky->values
+                             : &sky->derivatives[std::size_t(&values - sun.derivatives.data())];
+            }
+            return in_unit_of(use, values.at(use.wavelength, use.in, use.out, use.azimuth), of_sky);
+        });
+    }
+
+    const Job& job_;
+    const Request& request_;
+    const std::vector<std::string>& names_;
+    Brdf brdf_;
+    SolvedJob solved_;
+};
+
+}  // namespace
+
+Request request_of(const FitProblem& problem, const std::vector<Slot>& slots, const Job& job,
+                   std::span<const double> numbers, const std::vector<std::string>& names) {
+    const auto text_of = [&](const std::string& name) {
+        const double number =
+            numbers[slot_of(problem, slots, name, job.only_wavelength.value_or(0))];
+        const bool is_named = std::find(names.begin(), names.end(), name) != names.end();
+        return is_named ? fmt::format("{{{}={}}}", name, number) : fmt::format("{}", number);
+    };
+    Request request;
+    request.solver.tolerance = tolerance_of(problem);
+    for (const TemplateWord& word : job.words) apply(word, text_of, request);
+    if (request.solver.streams == 0) request.solver.streams = job.streams;
+    return request;
+}
+
+SolvedJob solve_job(const Job& job, const Request& request, const Control& control,
+                    const std::vector<std::string>& names) {
+    return JobSolver(job, request, control, names).solved();
+}
+
+}  // namespace miebrdf::fitting

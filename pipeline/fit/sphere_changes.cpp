@@ -1,0 +1,77 @@
+#include "pipeline/fit/sphere_changes.h"
+
+#include <optional>
+#include <utility>
+
+#include "pipeline/scene/species_keys.h"
+
+namespace miebrdf::fitting {
+namespace {
+
+/// The medium without its amounts, where spheres are in it.
+std::vector<Species> spheres_of(const Medium& medium) {
+    std::vector<Species> spheres;
+    for (Species species : medium.species) {
+        species.amount = {};
+        if (needs_mie(species)) spheres.push_back(std::move(species));
+    }
+    return spheres;
+}
+
+std::vector<const Medium*> media_of(const Scene& scene) {
+    std::vector<const Medium*> media;
+    if (!scene.substrate) media.push_back(&scene.base);
+    for (const Layer& layer : scene.layers) media.push_back(&layer.medium);
+    return media;
+}
+
+}  // namespace
+
+bool have_other_spheres(const Scene& a, const Scene& b) {
+    const auto& sizes = a.particles.sizes;
+    const auto& others = b.particles.sizes;
+    if (sizes.effective_radius_um != others.effective_radius_um ||
+        sizes.effective_variance != others.effective_variance)
+        return true;
+    const auto one = media_of(a), other = media_of(b);
+    for (std::size_t m = 0; m < one.size(); ++m) {
+        const auto spheres = spheres_of(*one[m]);
+        if (spheres != spheres_of(*other[m])) return true;
+        if (!spheres.empty() && host_of(a, *one[m]) != host_of(b, *other[m])) return true;
+    }
+    return false;
+}
+
+void SizesInScenes::add(const Scene& scene) {
+    const bool is_first = sizes_.empty();
+    std::size_t next = 0;
+    for (const Medium* const medium : media_of(scene)) {
+        for (const Species& species : spheres_of(*medium)) {
+            const mie::SizeDistribution sizes = sizes_of(species, scene.particles);
+            if (!mie::has_variance(sizes.kind)) continue;
+            const auto surface = species.sizes.specific_surface_m2_per_kg;
+            if (is_first) {
+                sizes_.push_back({sizes, surface});
+                continue;
+            }
+            Sizes& known = sizes_[next++];
+            const bool other_variance = known.sizes.effective_variance != sizes.effective_variance;
+            if (!other_variance && known.sizes.effective_radius_um == sizes.effective_radius_um &&
+                known.specific_surface_m2_per_kg == surface)
+                continue;
+            known.is_fixed = false;
+            vary_ = true;
+            variances_vary_ = variances_vary_ || other_variance;
+        }
+    }
+}
+
+std::vector<mie::SizeDistribution> SizesInScenes::fixed() const {
+    std::vector<mie::SizeDistribution> fixed;
+    for (const Sizes& known : sizes_) {
+        if (known.is_fixed) fixed.push_back(known.sizes);
+    }
+    return fixed;
+}
+
+}  // namespace miebrdf::fitting
