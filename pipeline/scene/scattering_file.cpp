@@ -282,9 +282,10 @@ void check_ratios(const FileScattering& table) {
 void read_scattering_file(const std::string& path, Species& species) {
     species.name = path;
     FileScattering& table = species.scattering;
-    const std::string text = text_of_file(path);
+    const bool is_binary = is_netcdf(path);
+    const std::string text = is_binary ? "" : text_of_file(path);
     const std::string first = text.substr(0, text.find('\n'));
-    if (is_netcdf(text)) {
+    if (is_binary) {
         read_scattering_netcdf(path, species);
     } else if (text.find("ALPHA1") != std::string::npos) {
         read_t_matrix(path, text, species);

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <fstream>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -53,35 +54,31 @@ class Variables {
     /// Over these dimensions, the last one fastest. A dimension that the variable lacks repeats it.
     std::vector<double> read(const std::string& name, const std::vector<int>& over) const {
         const std::vector<int> own = dimensions(name);
-        std::vector<std::size_t> strides(own.size());
+        std::vector<std::size_t> steps(over.size(), 0), at(over.size(), 0);
         std::size_t stride = 1;
         for (std::size_t d = own.size(); d-- > 0; stride *= size(own[d])) {
-            strides[d] = stride;
-            if (size(own[d]) == 1 || std::find(over.begin(), over.end(), own[d]) != over.end())
-                continue;
-            const auto extra = file_->dimension(own[d]);
-            refuse(
-                fmt::format("has {} values of {} in '{}'; write one of them into a file of its "
-                            "own, e.g. with ncks -d {},0",
-                            extra.size, extra.name, name, extra.name));
+            const auto found = std::find(over.begin(), over.end(), own[d]);
+            if (found != over.end()) {
+                steps[std::size_t(found - over.begin())] = stride;
+            } else if (size(own[d]) != 1) {
+                const auto extra = file_->dimension(own[d]);
+                refuse(
+                    fmt::format("has {} values of {} in '{}'; write one of them into a file of "
+                                "its own, e.g. with ncks -d {},0",
+                                extra.size, extra.name, name, extra.name));
+            }
         }
         const std::vector<double> values = read(name);
-        std::vector<double> result;
-        std::vector<std::size_t> at(over.size(), 0);
-        const auto count = std::accumulate(
-            over.begin(), over.end(), std::size_t{1},
-            [&](std::size_t product, int dimension) { return product * size(dimension); });
-        result.reserve(count);
-        while (result.size() < count) {
-            std::size_t place = 0;
-            for (std::size_t d = 0; d < own.size(); ++d) {
-                const auto found = std::find(over.begin(), over.end(), own[d]);
-                if (found != over.end())
-                    place += strides[d] * at[std::size_t(found - over.begin())];
-            }
-            result.push_back(values[place]);
+        std::vector<std::size_t> sizes;
+        std::size_t count = 1, place = 0;
+        for (const int dimension : over) count *= sizes.emplace_back(size(dimension));
+        std::vector<double> result(count);
+        for (double& value : result) {
+            value = values[place];
             for (std::size_t d = over.size(); d-- > 0;) {
-                if (++at[d] < size(over[d])) break;
+                place += steps[d];
+                if (++at[d] < sizes[d]) break;
+                place -= steps[d] * sizes[d];
                 at[d] = 0;
             }
         }
@@ -354,7 +351,9 @@ void read_aerosol_table(const Variables& file, FileScattering& table) {
 
 }  // namespace
 
-bool is_netcdf(std::string_view bytes) {
+bool is_netcdf(const std::string& path) {
+    std::string bytes(8, '\0');
+    std::ifstream(path, std::ios::binary).read(bytes.data(), std::streamsize(bytes.size()));
     return bytes.starts_with("CDF\x01") || bytes.starts_with("CDF\x02") ||
            bytes.starts_with("CDF\x05") || bytes.starts_with("\x89HDF\r\n\x1a\n");
 }

@@ -4,12 +4,11 @@
 #include <miebrdf/scene.h>
 
 #include <string>
-#include <string_view>
 
 namespace miebrdf {
 
-/// Whether the bytes begin as those of a NetCDF file (classic, or within HDF5).
-bool is_netcdf(std::string_view bytes);
+/// Whether the file begins as a NetCDF file does (classic, or within HDF5).
+bool is_netcdf(const std::string& path);
 
 /// Reads, by the variables that the file has:
 /// - `wavelen`, `ext`, `ssa` and `theta` with `phase`, or `pmom`: what libRadtran reads and writes

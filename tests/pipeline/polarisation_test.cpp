@@ -83,7 +83,7 @@ TEST_CASE("a spectral file of coefficients is linear between its wavelengths",
     const std::string path = written(
         folder, "spectral.csv",
         "wavelength_nm,single_scattering_albedo,l,a1,a2,a3,a4,b1,b2\n"
-        "400,0.8,0,1,0,0,0,0,0\n400,0.8,1,0.9,0,0,0.5,0,0\n"
+        "400,0.8,0,1,0,0,0,0,0\n400,0.8,1,0.9,0,0,0.1,0,0\n"
         "600,0.6,0,1,0,0,0,0,0\n600,0.6,1,0.3,0,0,0.1,0,0\n600,0.6,2,0.2,1,0.4,0,-0.1,0.04\n");
     const rte::Optics between = optics_of_words("matrix:" + path, 450);
     CHECK(between.single_scattering_albedo == Approx(0.75).epsilon(1e-14));
