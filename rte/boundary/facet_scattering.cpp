@@ -87,6 +87,9 @@ class FacetIntegral {
                 curves_.push_back(refracted_into(mu, sine_, index_, mu0));
             }
         };
+        // Into the zenith, about which the azimuth turns: one facet each.
+        if (mu + 1.0 > 0.0) zenith_.push_back(sine_ / (mu + 1.0));
+        if ((mu - index_) * (1.0 - index_) > 0.0) zenith_.push_back(sine_ / (mu - index_));
         add_reflected(0.0);
         add_refracted(0.0);
         if (index_ < 1.0) {
@@ -137,7 +140,7 @@ class FacetIntegral {
 
     void line(double v, double weight) {
         const double y = slopes_.y(v);
-        crossings_.clear();
+        crossings_ = zenith_;
         for (const SlopeCurve& curve : curves_) curve.add_crossings(y, crossings_);
         // Facets that face the light: x > -mu / sine.
         double from = sine_ > 0.0 ? slopes_.along_of(-mu_ / sine_, v) : -kLargest;
@@ -202,6 +205,7 @@ class FacetIntegral {
     double index_, mu_, sine_;
     double total_ = 0.0;
     std::vector<SlopeCurve> curves_;
+    std::vector<double> zenith_;  ///< slopes along the light's direction
     std::vector<double> crossings_;
     FacetScattering result_;
 };

@@ -115,6 +115,7 @@ Eigen::MatrixXd FacetWalk::directions_after(const FacetScattering& light, bool f
     energy << functions_.inside(inside[0], order_count_),
         functions_.in_air(in_air[0], order_count_), functions_.inside(inside[1], order_count_),
         functions_.in_air(in_air[1], order_count_);
+    drop_unresolved_orders(energy);
     return energy;
 }
 

@@ -133,4 +133,18 @@ Eigen::MatrixXd PanelFunctions::in_air(const ScatteredRays& rays, int orders) co
         .bottomRows(grid_.nodes_below(1.0));
 }
 
+void drop_unresolved_orders(Eigen::MatrixXd& energy) {
+    // A lobe's own orders fall, but for dips that are shallower.
+    constexpr double noise_rises_by = 4.0;
+    const Eigen::RowVectorXd size = energy.cwiseAbs().colwise().sum();
+    const Eigen::Index orders = size.size();
+    Eigen::RowVectorXd envelope = size;  // even and odd orders have functions of their own
+    for (Eigen::Index m = 1; m < orders; ++m) envelope[m] = std::max(size[m], size[m - 1]);
+    Eigen::Index last;
+    const double least = envelope.minCoeff(&last);
+    const Eigen::Index beyond = orders - last - 1;
+    if (beyond > 0 && envelope.tail(beyond).maxCoeff() >= noise_rises_by * least)
+        energy.rightCols(beyond).setZero();
+}
+
 }  // namespace miebrdf::rte

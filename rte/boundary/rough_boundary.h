@@ -56,6 +56,11 @@ class PanelFunctions {
     Eigen::VectorXd scale_;  ///< 1 / product of (t_p - t_k) over the other nodes of p's panel
 };
 
+/// Rays resolve the azimuth up to some order, and in higher ones their sums are noise that grows
+/// with the order: beyond the order in which a beam's energies are smallest they become 0.
+/// @param energy  of one beam, nodes x orders
+void drop_unresolved_orders(Eigen::MatrixXd& energy);
+
 /// The random walk of Heitz et al. 2016 on a Smith surface as a system of linear equations. The
 /// state of a ray between two facets is its direction, on either side and away from the boundary or
 /// towards it, and its height: u, the share of the surface that lies lower. A ray that starts at u
@@ -158,6 +163,10 @@ class RoughBoundary {
     /// @param mu_air  each in (0, 1]
     LightFromAir from_air(const Eigen::VectorXd& mu_air) const;
 
+    /// The mean of LightFromAir::entering, of order 0, over diffuse light from air. Each direction
+    /// conserves energy for itself, so that this is better known than what inside() lets through.
+    Eigen::VectorXd sky_entering() const;
+
     /// Of diffuse light from below and from above: (1 - inside) n^2 = 1 - outside.
     double internal_diffuse_reflectance() const { return internal_; }
     double external_diffuse_reflectance() const { return external_; }
@@ -178,7 +187,8 @@ class RoughBoundary {
     FacetWalk::Beam beam_at_facet(bool from_air, double mu) const;
     /// Energy of a beam that leaves after its first facet, (nodes inside, nodes in air) x orders.
     Eigen::MatrixXd after_one_facet(const FacetWalk::Beam& beam) const;
-    void keep(Eigen::MatrixXd order_0);
+    void keep(Eigen::MatrixXd order_0, Eigen::VectorXd sky);
+    Eigen::VectorXd sky_of(const Eigen::MatrixXd& from_air) const;
     std::shared_ptr<const EnergyFromAir> energy_from_air(const Eigen::VectorXd& mu_air) const;
     EnergyFromAir followed(const Eigen::VectorXd& mu_air) const;
     EnergyFromAir interpolated(const Eigen::VectorXd& mu_air) const;
@@ -195,6 +205,7 @@ class RoughBoundary {
     Eigen::VectorXd g_;                  ///< n D of the nodes inside, then the same of those in air
     std::vector<Eigen::MatrixXd> inside_;
     Eigen::MatrixXd order_0_;  ///< all parts
+    Eigen::VectorXd sky_;      ///< energy of diffuse light from air (nodes inside, nodes in air)
     double internal_ = 0.0, external_ = 0.0;
     /// The last request: all wavelengths of a scene ask the neighbours for the same directions.
     mutable std::mutex mutex_;

@@ -69,14 +69,14 @@ void RoughTop::put_on(int fourier_order, const Reflector& below, ReflectorParts 
     const Eigen::VectorXd enters = D - inside * D;  // of uniform light from air
     if (parts == ReflectorParts::sky) {
         result.sky_at_requested = entering * (seen * enters);
-        const double spherical =
-            boundary_->external_diffuse_reflectance() + 2.0 * n2 * enters.dot(seen * enters);
+        const double spherical = boundary_->external_diffuse_reflectance() +
+                                 boundary_->sky_entering().dot(seen * enters);
         result.sky_at_nodes = spherical * air;
     }
     if (result.has_transmittance) {
         const Eigen::VectorXd up = solver.solve(below.transmittance_at_nodes);
         result.transmittance_at_requested = entering * up;
-        result.transmittance_at_nodes = 2.0 * n2 * enters.dot(up) * air;
+        result.transmittance_at_nodes = boundary_->sky_entering().dot(up) * air;
     }
 }
 

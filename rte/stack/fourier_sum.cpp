@@ -110,6 +110,21 @@ std::vector<int> FeatureOrders::probes(int m, double scale, double tolerance) co
     return orders;
 }
 
+double FourierTail::remaining_of_dipping(double largest) {
+    // Slower ones end like the transform of a lobe, faster and faster.
+    constexpr double slowest = 0.95;
+    recent_[std::size_t(count_ % (2 * kDip))] = largest;
+    double now = 0.0, before = 0.0;
+    for (int back = 0; back < 2 * kDip && back <= count_; ++back) {
+        double& group = back < kDip ? now : before;
+        group = std::max(group, recent_[std::size_t((count_ - back) % (2 * kDip))]);
+    }
+    const double size = ratio(now, order_zero_);
+    if (count_ + 1 < 2 * kDip) return kSeveral * size;
+    const double fall = std::min(slowest, std::pow(ratio(now, before), 1.0 / kDip));
+    return size * std::max(kSeveral, 2.0 * fall / (1.0 - fall));
+}
+
 bool FourierTail::ends_with(double largest) {
     if (count_ == 0) order_zero_ = largest;
     const double fall = std::max(ratio(largest, last_), ratio(last_, before_last_));
@@ -119,6 +134,7 @@ bool FourierTail::ends_with(double largest) {
         const double envelope = std::max(largest, fall * last_);
         remaining_ = 2.0 * ratio(envelope, order_zero_) * fall / (1.0 - fall);
     }
+    if (may_dip_) remaining_ = remaining_of_dipping(largest);
     if (order_zero_ == 0.0) remaining_ = 0.0;
     const bool ends = count_ > 0 && remaining_ <= tolerance_;
     before_last_ = last_;
@@ -334,7 +350,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     StackSolver solver(stack, grids, requested, light.components, options, memory);
     const int all_orders = highest_order(requested, solver.fourier_orders(), light);
     const int highest = exactly > 0 ? std::min(exactly, all_orders) : all_orders;
-    FourierTail tail(tail_tolerance);
+    FourierTail tail(tail_tolerance, solver.has_boundary_orders());
     FourierSizes sizes(c);
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
     const FeatureOrders features(stack, requested);

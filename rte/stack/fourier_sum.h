@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <span>
 #include <vector>
@@ -47,9 +48,14 @@ class FourierSizes {
 /// or more, the rest is a geometric series, 2 v r / (1 - r) with the 2 of 2 R^m cos(m azimuth). v
 /// is the envelope max(v_m, r v_(m-1)), because one small order may be an accident of parity. Where
 /// the orders fall otherwise, the rest is taken as 2.5 times the larger of the last two.
+///
+/// Lobes off the plane of incidence, of light that several surfaces send to and fro, have orders
+/// with longer dips: of a series that may dip the largest of four orders in a row counts, and its
+/// fall since the four before.
 class FourierTail {
   public:
-    explicit FourierTail(double tolerance) : tolerance_(tolerance) {}
+    explicit FourierTail(double tolerance, bool may_dip = false)
+        : tolerance_(tolerance), may_dip_(may_dip) {}
 
     /// Takes the size of the next order. True once the rest no longer matters.
     bool ends_with(double largest);
@@ -58,7 +64,12 @@ class FourierTail {
     double remaining() const { return remaining_; }
 
   private:
+    static constexpr int kDip = 4;
+    double remaining_of_dipping(double largest);
+
     double tolerance_;
+    bool may_dip_;
+    std::array<double, 2 * kDip> recent_{};  ///< sizes, of a series that may dip
     int count_ = 0;
     double order_zero_ = 0.0;
     double before_last_ = 0.0;

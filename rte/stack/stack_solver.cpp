@@ -95,7 +95,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
 StackSolver::~StackSolver() = default;
 
 int StackSolver::fourier_orders() const {
-    return unscattered_.size() > 0 ? std::max(kMostBoundaryOrders, stack_.moments) : stack_.moments;
+    return has_boundary_orders() ? std::max(kMostBoundaryOrders, stack_.moments) : stack_.moments;
 }
 
 const StackOrder& StackSolver::solve(int fourier_order) {

@@ -93,6 +93,8 @@ class StackSolver {
     /// That there are: one for each moment, and more where a rough boundary lies over mirrors,
     /// which have an azimuthal series of their own.
     int fourier_orders() const;
+    /// A rough boundary's own orders, of light that comes back unscattered, are among them.
+    bool has_boundary_orders() const { return unscattered_.size() > 0; }
 
     /// The whole stack, boundary included; in order 0 with its albedos.
     /// @return valid until the next call
