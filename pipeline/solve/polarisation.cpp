@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/scene/medium_kinds.h"
@@ -24,11 +25,11 @@ constexpr double kChangePerPolarisation = 1.5;
 /// No case changes by more than 0.11.
 constexpr double kLargestChange = 0.15;
 
-/// Spheres beyond this size parameter change less. No bound is known: the mean of b1^2 is 0.028 at
-/// an index of 1.7 and x = 60, changes of 0.017 and 0.023 were seen of opaque spheres of x = 68,
-/// metals may have more. Results say that the promise is not assured.
+/// Spheres beyond this size parameter change less: up to 0.0252 in 120 random half-spaces of size
+/// parameters 3 to 60 (tools/bench/left_out_polarisation.py, class bare, seeds 1 and 2), here with
+/// kMargin. It stands for what neither is computed nor compared.
 constexpr double kCoarse = 3.0;
-constexpr double kCoarseChange = 0.03;
+constexpr double kCoarseChange = 0.04;
 
 /// Changes are looked at with so few nodes, and at some of the directions: differences of two
 /// solutions need less than the solutions themselves. With the margin, nothing was left out by
@@ -38,14 +39,14 @@ constexpr int kStreamsOfComparison = 12;
 constexpr std::size_t kMostCosinesCompared = 8, kMostAzimuthsCompared = 7;
 constexpr double kMargin = 1.5;
 
-/// `auto` asks for no scattering matrices of spheres beyond this: they would cost more than the
-/// rest.
-constexpr double kMostAutomaticSize = 60.0;
-
-double size_parameter(const ResolvedSpecies& species, std::size_t w) {
-    const Particles& at = species.particles[w];
-    return 2e3 * std::numbers::pi * at.host_index * species.outer_radius_um / at.wavelength_nm;
-}
+/// Where stand-ins tell that polarisation shows, matrices of spheres beyond kLargestOwnMatrix are
+/// computed if they take no more than this (the least time of mie::matrix_seconds).
+constexpr double kMostMatrixSeconds = 0.1;
+/// Changes vary slowly with the wavelength: stand-ins are looked at at so many, and those between
+/// have the larger change of their neighbours.
+constexpr std::size_t kMostWavelengthsCompared = 8;
+/// Of the size average of stand-ins.
+constexpr double kStandInTolerance = 1e-2;
 
 bool polarises(const ResolvedSpecies& species, std::size_t w) {
     if (species.needs_mie()) return !has_smooth_phase(species.species);
@@ -71,6 +72,10 @@ SizeSpan polarising_sizes(const ResolvedScene& scene, std::size_t w) {
         }
     }
     return span;
+}
+
+bool has_rough_boundary(const ResolvedScene& scene) {
+    return scene.boundary && scene.boundary->is_rough();
 }
 
 bool has_named_method(const SolverOptions& solver) {
@@ -166,12 +171,12 @@ double mean_square_b1(const rte::Optics& optics) {
 
 }  // namespace
 
-std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver) {
+namespace {
+
+/// As why_no_polarisation, but for rough boundaries.
+std::string why_not_below_any_boundary(const ResolvedScene& scene, const SolverOptions& solver) {
     if (scene.surface)
         return "a rough surface (roughness) lets through and reflects unpolarised light";
-    if (scene.boundary && scene.boundary->is_rough())
-        return "a rough boundary is computed for unpolarised light alone; smooth ones polarise by "
-               "Fresnel's equations";
     if (has_named_method(solver))
         return "grid, half-space-method and coat-method must be auto: other methods are for "
                "unpolarised light alone";
@@ -182,6 +187,18 @@ std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions&
         }
     }
     return {};
+}
+
+}  // namespace
+
+std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver) {
+    std::string why = why_not_below_any_boundary(scene, solver);
+    if (why.empty() && has_rough_boundary(scene)) {
+        why =
+            "a rough boundary is computed for unpolarised light alone; smooth ones polarise by "
+            "Fresnel's equations";
+    }
+    return why;
 }
 
 LightChoice choose_light(const LayerRequest& request, std::size_t w) {
@@ -198,18 +215,22 @@ LightChoice choose_light(const LayerRequest& request, std::size_t w) {
         return {.reason = "no layer polarises the light that it scatters"};
     const double bound = (std::isinf(finest) ? 0.0 : change_by_polarisation(finest)) +
                          change_by_surfaces(request, w);
-    if (!why.empty()) return {.left_out = bound, .reason = why};
-    if (coarsest > kMostAutomaticSize) {
-        return {.left_out = bound,
-                .reason = fmt::format("size parameter {:.3g}: scattering matrices would cost more "
-                                      "than the rest (stokes 3 has them computed)",
-                                      coarsest)};
+    LightChoice unknown{
+        .allowed = finest >= kCoarse && std::isfinite(finest)
+                       ? std::max(request.solver.tolerance, kPromisedWithoutPolarisation)
+                       : request.solver.tolerance,
+        .left_out = bound,
+        .reason = why};
+    if (!why_not_below_any_boundary(request.scene, request.solver).empty()) return unknown;
+    if (coarsest > kLargestOwnMatrix && why.empty()) {
+        unknown.reason = fmt::format(
+            "size parameter {:.3g}: smaller spheres tell whether scattering "
+            "matrices are worth what they cost",
+            coarsest);
     }
-    return {.allowed = finest >= kCoarse && std::isfinite(finest)
-                           ? std::max(request.solver.tolerance, kPromisedWithoutPolarisation)
-                           : request.solver.tolerance,
-            .left_out = bound,
-            .needs_matrices = true};
+    unknown.needs_stand_ins = !unknown.reason.empty();
+    unknown.needs_matrices = !unknown.needs_stand_ins;
+    return unknown;
 }
 
 LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown,
@@ -226,12 +247,105 @@ LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown
             .reason = fmt::format("without it values would change by up to {:.1g}", change)};
 }
 
+namespace {
+
+/// The least time that the matrices of all spheres take at one wavelength.
+double matrix_seconds(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand) {
+    double sum = 0.0;
+    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
+        for (const ResolvedSpecies& species : scene.media[m].species) {
+            if (species.needs_mie() && polarises(species, w))
+                sum += matrix_seconds(species, w, demand);
+        }
+    }
+    return sum;
+}
+
+/// What stand-ins tell: LightChoice::needs_stand_ins.
+class StandIns {
+  public:
+    StandIns(const LayerRequest& request, double hiding, OpticsDemand demand,
+             const Control& control)
+        : request_(request), hiding_(hiding), demand_(std::move(demand)), control_(control) {}
+
+    /// Of the wavelengths whose light needs them.
+    void choose(const std::vector<std::size_t>& wavelengths, std::vector<LitScene>& all) const {
+        std::vector<std::size_t> places;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (all[i].light.needs_stand_ins) places.push_back(i);
+        }
+        if (places.empty()) return;
+        const std::size_t steps = std::min(places.size(), kMostWavelengthsCompared) - 1;
+        std::vector<std::size_t> looked_at, some;
+        for (std::size_t k = 0; k <= steps; ++k) {
+            looked_at.push_back(steps == 0 ? 0 : k * (places.size() - 1) / steps);
+            some.push_back(wavelengths[places[looked_at.back()]]);
+        }
+        const std::vector<double> changes = changes_at(some);
+        for (std::size_t i = 0, k = 0; i < places.size(); ++i) {
+            if (k < steps && i > looked_at[k + 1]) ++k;
+            const bool is_between = i > looked_at[k] && k < steps;
+            const double change = is_between ? std::max(changes[k], changes[k + 1]) : changes[k];
+            LightChoice& light = all[places[i]].light;
+            light = chosen(light, change, wavelengths[places[i]]);
+        }
+    }
+
+  private:
+    std::vector<double> changes_at(const std::vector<std::size_t>& wavelengths) const {
+        OpticsDemand coarse = demand_;
+        coarse.polarisation = coarse.stand_ins = true;
+        coarse.tolerance = std::max(coarse.tolerance, kStandInTolerance);
+        std::vector<double> changes;
+        for (SceneOptics& optics : visible_optics(request_.scene, request_.directions, hiding_,
+                                                  wavelengths, coarse, control_)) {
+            if (optics.stack.boundary) optics.stack.boundary = rte::Boundary{};
+            changes.push_back(kMargin * change_found(request_, optics.stack));
+        }
+        return changes;
+    }
+
+    LightChoice chosen(const LightChoice& unknown, double change, std::size_t w) const {
+        if (has_rough_boundary(request_.scene)) {
+            return {.left_out = change,
+                    .reason = fmt::format("{}; below a smooth one values would change by up to "
+                                          "{:.1g}",
+                                          unknown.reason, change)};
+        }
+        if (change <= unknown.allowed) {
+            return {
+                .left_out = change,
+                .reason = fmt::format("values change by less than {:.1g} without it, as smaller "
+                                      "spheres tell",
+                                      change)};
+        }
+        OpticsDemand own = demand_;
+        own.polarisation = true;
+        const double seconds = matrix_seconds(request_.scene, w, own);
+        const std::string shows = fmt::format(
+            "without it values would change by up to {:.1g}, as smaller spheres tell", change);
+        if (seconds <= kMostMatrixSeconds) return {.components = 3, .reason = shows};
+        return {.left_out = change,
+                .reason = fmt::format("{}, but scattering matrices would take more than {:.1g} s "
+                                      "(stokes 3 has them computed)",
+                                      shows, seconds)};
+    }
+
+    const LayerRequest& request_;
+    double hiding_;
+    OpticsDemand demand_;
+    const Control& control_;
+};
+
+}  // namespace
+
 std::vector<LitScene> light_and_optics(const LayerRequest& request,
                                        const std::vector<std::size_t>& wavelengths, double hiding,
                                        OpticsDemand demand, const Control& control) {
     std::vector<LitScene> all(wavelengths.size());
     for (std::size_t i = 0; i < wavelengths.size(); ++i)
         all[i].light = choose_light(request, wavelengths[i]);
+    StandIns(request, hiding, demand, control).choose(wavelengths, all);
     for (const bool polarised : {false, true}) {
         std::vector<std::size_t> places, some;
         for (std::size_t i = 0; i < wavelengths.size(); ++i) {

@@ -27,13 +27,16 @@ struct LightChoice {
     /// With 1 component: nothing is known yet of how strongly the layers polarise; their scattering
     /// matrices tell (choose_light below).
     bool needs_matrices = false;
+    /// Likewise, but by matrices of smaller spheres and below a smooth boundary: what their own
+    /// matrices would cost, or nothing else can compute.
+    bool needs_stand_ins = false;
 };
 
 /// Empty, or why light of several components cannot be computed: "a boundary ...".
 std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver);
 
 /// The choice that can be made before single scattering: by what was asked for, media that do not
-/// polarise, and spheres so large that leaving polarisation out changes less than the tolerance.
+/// polarise, and which matrices may tell.
 /// @throws UsageError  where several components were asked for and cannot be computed
 LightChoice choose_light(const LayerRequest& request, std::size_t w);
 

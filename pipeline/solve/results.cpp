@@ -111,14 +111,14 @@ std::vector<std::string> ResultReport::polarisation() const {
             "it computed, but below rough boundaries)");
     } else if (left_out > kPromisedWithoutPolarisation) {
         lines.push_back(fmt::format(
-            "left out, although it may show: nothing bounds relative changes of the values below "
-            "{:.1g} (stokes 3 has it computed, but below rough boundaries)",
+            "left out, although it shows: relative changes of the values may be up to {:.1g} "
+            "(estimate; stokes 3 has it computed, but below rough boundaries)",
             left_out));
     } else if (left_out > 0.0) {
-        lines.push_back(
-            fmt::format("left out: relative changes of the values are below {:.1g} (bound; stokes "
-                        "3 has it computed)",
-                        left_out));
+        lines.push_back(fmt::format(
+            "left out: relative changes of the values are below {:.1g} (estimate; stokes "
+            "3 has it computed)",
+            left_out));
     }
     return lines;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -83,10 +84,29 @@ mie::EnsembleRequest matrix_request(const ResolvedSpecies& species, std::size_t 
     return request;
 }
 
+/// The same by spheres of kLargestOwnMatrix: at a wavelength so much longer, and with absorption
+/// that is as much stronger, until nothing passes through a sphere. Opaque ones keep theirs, which
+/// shows in what they reflect.
+mie::EnsembleRequest stand_in(mie::EnsembleRequest request, double size) {
+    constexpr double opaque_k = 0.04;  // exp(-4 k x) = 7e-5 along the diameter
+    const double longer = size / kLargestOwnMatrix;
+    const auto absorbing = [=](std::complex<double> index) {
+        const double k = std::min(index.imag() * longer, std::max(index.imag(), opaque_k));
+        return std::complex(index.real(), k);
+    };
+    request.wavelength_nm *= longer;
+    request.refractive_index = absorbing(request.refractive_index);
+    for (mie::ParticleCoating& coating : request.coatings)
+        coating.refractive_index = absorbing(coating.refractive_index);
+    return request;
+}
+
 /// All of the scattering matrix, as a series, and P of the same spheres as a table.
 MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand,
                         const mie::Executor& run) {
-    const auto request = matrix_request(species, w, demand);
+    auto request = matrix_request(species, w, demand);
+    const double size = size_parameter(species, w);
+    if (demand.stand_ins && size > kLargestOwnMatrix) request = stand_in(std::move(request), size);
     mie::MatrixOptics matrix = average(mie::average_matrix, species.species, request, run);
     MediumOptics result;
     result.optics.single_scattering_albedo = matrix.optics.single_scattering_albedo;
@@ -122,6 +142,11 @@ MediumOptics from_mie(const mie::EnsembleOptics& ensemble, const mie::EnsembleRe
 
 }  // namespace
 
+double size_parameter(const ResolvedSpecies& species, std::size_t w) {
+    const Particles& at = species.particles[w];
+    return 2e3 * std::numbers::pi * at.host_index * species.outer_radius_um / at.wavelength_nm;
+}
+
 OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, PhaseDemand phase) {
     OpticsDemand demand;
     demand.tolerance = mie_tolerance > 0.0 ? mie_tolerance : kMieShare * solver.tolerance;
@@ -135,8 +160,12 @@ OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, P
 }
 
 std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
-    const auto& [highest_moment, whole, angles_deg, tolerance, polarisation] = demand;
-    JobKey key(polarisation ? "scattering matrix" : "single scattering");
+    const auto& [highest_moment, whole, angles_deg, tolerance, polarisation, stand_ins] = demand;
+    const bool by_others = polarisation && stand_ins && species.needs_mie() &&
+                           size_parameter(species, w) > kLargestOwnMatrix;
+    JobKey key(by_others      ? "scattering matrix of a stand-in"
+               : polarisation ? "scattering matrix"
+                              : "single scattering");
     key.add(species.key[w]);
     if (polarisation) return key.add(tolerance).hash();
     // With the whole phase function come all moments, however few were asked for.

@@ -26,7 +26,17 @@ struct OpticsDemand {
     /// The whole scattering matrix, rte::Optics::polarisation, with all moments and a table of the
     /// phase function.
     bool polarisation = false;
+    /// With `polarisation`: spheres beyond kLargestOwnMatrix are stood in for by smaller ones,
+    /// whose rays are refracted, reflected and absorbed alike: enough to tell what polarisation
+    /// changes.
+    bool stand_ins = false;
 };
+
+/// Size parameter up to which scattering matrices are computed wherever they may be needed: those
+/// of larger spheres would cost more than the rest.
+inline constexpr double kLargestOwnMatrix = 60.0;
+/// Of the effective radius.
+double size_parameter(const ResolvedSpecies& species, std::size_t w);
 
 enum class PhaseDemand { moments_only, whole };
 
