@@ -96,7 +96,7 @@ struct MaterialInfo {
     std::string density_source;  ///< where the density is from
 };
 
-/// What a material must fit; all conditions hold together.
+/// Conditions on a material; all conditions hold together.
 struct SearchFilter {
     std::string
         text;  ///< words, all of which must occur (as beginnings of words); empty: everything
@@ -126,7 +126,7 @@ class Database {
     std::vector<MaterialInfo> list() const;
     /// Best match first; every word must occur in name, alias, title, formula or provenance.
     std::vector<MaterialInfo> search(const std::string& text) const;
-    /// The same for a filter.
+    /// Materials that fit a filter.
     std::vector<MaterialInfo> search(const SearchFilter& filter) const;
 
     /// Finds a material by name, alias or normalised form (case, spaces, '_', '-' ignored). An
@@ -156,7 +156,7 @@ class Database {
     std::optional<std::string> resolve_exactly(const std::string& name) const;
     /// The canonical names of all materials that the name could mean; one when it is exact.
     std::vector<std::string> resolve(const std::string& name) const;
-    /// The same by the normalised form alone, for names whose case means nothing.
+    /// As resolve(), by the normalised form alone, for names whose case means nothing.
     std::vector<std::string> resolve_normalised(const std::string& name) const;
 
     /// The material to which the embedded table says that an entry of a collection belongs.
@@ -269,7 +269,7 @@ struct ImportOptions {
     bool skip_bad_rows = false;
 };
 
-/// What became of one file.
+/// The outcome for one file.
 struct ImportItem {
     std::string file;                      ///< as it was given or found
     std::string dataset;                   ///< "material/label"; empty when refused

@@ -200,7 +200,7 @@ struct MatrixOptics {
 ///         the price. Not reaching the tolerance is an outcome: read `converged`.
 MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run = run_in_order);
 
-/// What two averages differ by that are taken over the same radii.
+/// The difference of two averages that are taken over the same radii.
 struct EnsembleDifference {
     double single_scattering_albedo = 0.0, one_minus_albedo = 0.0, q_ext = 0.0, asymmetry = 0.0;
     std::vector<double> chi;                        ///< as many as were asked for

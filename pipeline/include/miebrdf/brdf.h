@@ -38,7 +38,7 @@ struct BrdfParts {
     bool total = true;       ///< both, coupled
 };
 
-/// What physics says about computed values, as numbers: reciprocity, energy and sign.
+/// The verdict of physics on computed values, as numbers: reciprocity, energy and sign.
 struct PhysicsReport {
     /// Largest |f(mu_in, mu_out) - f(mu_out, mu_in)| over the largest f, among the pairs of which
     /// both were asked for; empty when there are none. The paper's coupling to a surface (eq. 5) is
@@ -62,7 +62,7 @@ struct PhaseNoise {
 struct WavelengthReport {
     double wavelength_nm = 0.0;  ///< vacuum
     rte::SolverReport solver;    ///< of radiative transfer
-    /// Of the layers, the lowest first; empty where nothing had to be computed.
+    /// Depths of the layers, the lowest first; empty where nothing had to be computed.
     std::vector<double> optical_depths;
     double mie_error_estimate = 0.0;  ///< of the size averages, largest of the media
     PhaseNoise phase_noise;           ///< of single directions; not in error_estimate
@@ -74,7 +74,7 @@ struct WavelengthReport {
     bool converged = false;       ///< error_estimate <= tolerance, and every step says so
 };
 
-/// What all results have in common: one report for each wavelength, and the worst of them.
+/// The part that all results have in common: one report for each wavelength, and the worst of them.
 struct ResultReport {
     double tolerance = 0.0;                     ///< as asked for
     std::vector<WavelengthReport> wavelengths;  ///< in the order asked for
@@ -85,7 +85,8 @@ struct ResultReport {
     double error_estimate() const;             ///< largest over the wavelengths
     const WavelengthReport& worst() const;     ///< of the error estimate
     const WavelengthReport& noisiest() const;  ///< of phase_noise
-    /// What missed the tolerance and where, one line for each wavelength; empty when converged.
+    /// Says what missed the tolerance and where, one line for each wavelength; empty when
+    /// converged.
     std::vector<std::string> shortfalls() const;
     std::string shortfall() const;  ///< the lines joined
     /// "3 components of light at 2 of 3 wavelengths", and what leaving polarisation out may change;
@@ -99,8 +100,8 @@ struct ResultReport {
 class BrdfValues : public ResultReport {
   public:
     Directions directions;  ///< as asked for
-    /// Of one wavelength, [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]; parts that
-    /// were not asked for are empty.
+    /// Values of one wavelength, [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]; parts
+    /// that were not asked for are empty.
     struct Slice {
         std::vector<double> subsurface, surface, total;  ///< 1/sr
         /// At each mu_in, what a smooth boundary or a mirror below sends into the mirror direction
@@ -131,11 +132,11 @@ class MuellerValues : public ResultReport {
     /// * components + column]; row = outgoing, column = incident component
     std::vector<std::vector<double>> mueller;
     std::vector<std::vector<double>> plane_albedo;  ///< of unpolarised light, [wavelength][mu_in]
-    /// What it changes by if the light is fully polarised in the plane of incidence.
+    /// The change if the light is fully polarised in the plane of incidence.
     std::vector<std::vector<double>> polarised_plane_albedo;
-    /// What a smooth boundary or a mirror below sends into the mirror direction and nowhere else, a
-    /// delta that the matrices are without: [wavelength][(in * components + row) * components +
-    /// column], the share of the incident flux. Empty: there is none.
+    /// The light that a smooth boundary or a mirror below sends into the mirror direction and
+    /// nowhere else, a delta that the matrices are without: [wavelength][(in * components + row) *
+    /// components + column], the share of the incident flux. Empty: there is none.
     std::vector<std::vector<double>> mirror_mueller;
 
     /// @param row, column  0: I, 1: Q, 2: U, 3: V
@@ -159,10 +160,10 @@ class AlbedoValues : public ResultReport {
     std::vector<double> spherical_albedo;           ///< [wavelength]
     /// With polarisation asked for: as of MuellerValues. Empty: not asked for.
     std::vector<std::vector<double>> polarised_plane_albedo;
-    /// What of them goes into the mirror direction and nowhere else, [wavelength][mu_in]; empty
-    /// without boundary and mirror.
+    /// The part of them that goes into the mirror direction and nowhere else, [wavelength][mu_in];
+    /// empty without boundary and mirror.
     std::vector<std::vector<double>> mirror_reflectance;
-    /// Of scenes on a substrate without a surface: net flux into what lies below the layers.
+    /// For scenes on a substrate without a surface: net flux into what lies below the layers.
     std::vector<std::vector<double>> plane_transmittance;  ///< [wavelength][mu_in]
     std::vector<double> spherical_transmittance;           ///< [wavelength]
 
@@ -215,11 +216,11 @@ struct LayerOptics {
 
 struct SolvedTable;
 
-/// What a table is made for; everything may be left as it is.
+/// The use that a table is made for; everything may be left as it is.
 struct TableOptions {
     BrdfPart part = BrdfPart::total;  ///< what the table holds
     std::string command_line = {};    ///< for Provenance; empty: the scene and the function called
-    /// Of a surface; empty: the scene's, else the reciprocal one.
+    /// The coupling of a surface; empty: the scene's, else the reciprocal one.
     std::optional<rte::SurfaceCoupling> coupling = {};
     /// With SolverOptions::stokes = 0 (auto): 4 components instead of what the intensity needs, for
     /// BrdfTable::evaluate_mueller. With 3 and 4 the whole matrix is there anyway, with 1 never.

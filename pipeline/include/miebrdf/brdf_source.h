@@ -1,5 +1,5 @@
-// What exports and pictures are made of: a spectral BRDF that can be asked at any directions. A
-// solved scene gives one (BrdfTable); a material of one's own is another.
+// The source of exports and pictures: a spectral BRDF that can be asked at any directions. A solved
+// scene gives one (BrdfTable); a material of one's own is another.
 #pragma once
 
 #include <miebrdf/control.h>
@@ -21,7 +21,7 @@ struct Direction {
     double azimuth_deg = 0.0;  ///< degrees
 };
 
-/// What every export says about where its numbers come from.
+/// The origin of the numbers, which every export states.
 struct Provenance {
     std::string version = {};         ///< "miebrdf 1.0.0"
     std::string command_line = {};    ///< as typed; may be empty
@@ -53,7 +53,7 @@ class BrdfSource {
 
     /// One name for each channel: "550 nm", or "R", "G", "B".
     virtual const std::vector<std::string>& channels() const = 0;
-    /// Of each channel; empty when the channels are colours.
+    /// The wavelength of each channel; empty when the channels are colours.
     virtual const std::vector<double>& wavelength_nm() const = 0;
     virtual const Provenance& provenance() const = 0;  ///< for the files made of it
 
@@ -84,7 +84,7 @@ class BrdfSource {
 /// How many directions, from the first on, share its cosines; at least one where there is any.
 std::size_t count_sharing_cosines(std::span<const Direction> directions);
 
-/// What every source asks of its arguments.
+/// Checks what every source asks of its arguments.
 /// @param storage  takes the directions where cosines count as 1
 /// @return the directions to evaluate
 /// @throws UsageError  naming the first cosine or azimuth that is out of range, or the number of

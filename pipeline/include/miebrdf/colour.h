@@ -88,12 +88,12 @@ struct LinearSrgb {
 /// 430 nm or less to 650 nm or more.
 bool covers_the_visible(const std::vector<double>& wavelength_nm);
 
-/// What a value at each wavelength contributes to X, Y and Z.
+/// The weight of each wavelength's value in X, Y and Z.
 struct ObserverWeights {
     std::vector<double> x, y, z;  ///< dimensionless
 };
 
-/// What a reflectance is between its wavelengths.
+/// The course of a reflectance between its wavelengths.
 enum class Between {
     linear,  ///< weights are never negative
     /// Lagrange through the four nearest wavelengths (CIE 15:2004, section 7.2.1); linear where
@@ -113,7 +113,7 @@ ObserverWeights observer_weights(const std::vector<double>& wavelength_nm,
 /// @throws UsageError  when the lengths differ
 Xyz to_xyz(const ObserverWeights& weights, const std::vector<double>& reflectance);
 
-/// Of a reflectance of 1: the chromaticity of the illuminant.
+/// The colour of a reflectance of 1: the chromaticity of the illuminant.
 Xyz white_point(const Viewing& viewing);
 
 /// Relative to the white of the illuminant, without adaptation.
@@ -191,8 +191,8 @@ struct Hiding {
     /// Depth of all layers, as a multiple of the scene's, that hides completely; empty: none
     /// between 1e-4 and 1e4.
     std::optional<double> relative_depth;
-    /// The same in um where the scene's layers are thicknesses, and what one litre of dry film
-    /// covers at it, m2.
+    /// That depth in um where the scene's layers are thicknesses, and the area that one litre of
+    /// dry film covers at it, m2.
     std::optional<double> thickness_um, spreading_rate_m2_per_l;  ///< nothing: it never hides
 };
 

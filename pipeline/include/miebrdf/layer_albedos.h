@@ -23,7 +23,7 @@ struct LayerBatch {
     std::span<const double> mu_in;          ///< in (0, 1], of all layers; may be empty
 };
 
-/// Of each layer, in their order.
+/// Results of each layer, in their order.
 struct LayerAlbedos {
     std::vector<double> plane_albedo;      ///< [layer * mu_in.size() + i], with the mirror's part
     std::vector<double> spherical_albedo;  ///< in [0, 1]

@@ -1,5 +1,5 @@
-// What a request will cost, what of it is left out, and why, before it is computed: the rules that
-// the solver itself asks, and rough formulas for the times.
+// A plan says what a request will cost, what of it is left out, and why, before it is computed: the
+// rules that the solver itself asks, and rough formulas for the times.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -26,7 +26,7 @@ struct Omission {
     double saved_s = 0.0;  ///< estimate for one thread
 };
 
-/// What would be done; nothing of it is.
+/// The work that would be done; none of it is.
 struct Plan {
     std::vector<PlannedStep> steps;   ///< in their order
     std::vector<Omission> omissions;  ///< what is not computed
@@ -37,17 +37,17 @@ struct Plan {
     bool leaves_out(const std::string& rule) const;  ///< whether the rule of this name holds
 };
 
-/// What the results of one run have done before the next one is planned (Control::memo).
+/// The work that a run has done before its next result is planned (Control::memo).
 struct EarlierWork {
     std::set<std::string> optics;  ///< names of Mie jobs
 };
 
-/// What brdf.evaluate(directions, parts) would do; the cache of its Control is looked into. Nothing
-/// is computed for it: milliseconds.
+/// Plans brdf.evaluate(directions, parts); the cache of its Control is looked into. Nothing is
+/// computed for it: milliseconds.
 /// @param earlier  of the same run; this request's own work is added. Null: it is the only one
 Plan plan_evaluate(const Brdf& brdf, const Directions& directions, const BrdfParts& parts = {},
                    EarlierWork* earlier = nullptr);
-/// What brdf.albedo(mu_in) would do.
+/// Plans brdf.albedo(mu_in).
 Plan plan_albedo(const Brdf& brdf, const std::vector<double>& mu_in,
                  EarlierWork* earlier = nullptr);
 

@@ -46,8 +46,8 @@ struct Amount {
     bool operator==(const Amount&) const = default;
 };
 
-/// What lies between the particles of a layer, or what a coating is made of: a material of the
-/// database, or a constant index.
+/// The material between the particles of a layer, or of a coating: a material of the database, or a
+/// constant index.
 struct Host {
     std::string name = {};             ///< NAME or source:KEY; empty: `index`
     std::complex<double> index = 1.0;  ///< n + ik
@@ -104,8 +104,8 @@ struct FileScattering {
     /// 3 V / (4 A) of each size (V the volume, A the mean projected area), ascending; empty: an
     /// ensemble without a size.
     std::vector<double> radius_um;
-    /// Of each size at each wavelength, sizes fastest: Q_ext of sizes, the mean cross-section in
-    /// um2 of ensembles (in any unit without has_cross_sections).
+    /// Values of each size at each wavelength, sizes fastest: Q_ext of sizes, the mean
+    /// cross-section in um2 of ensembles (in any unit without has_cross_sections).
     std::vector<double> extinction;
     std::vector<double> albedo;  ///< in [0, 1]
     bool has_cross_sections = false;
@@ -157,14 +157,14 @@ struct Species {
     std::vector<Coating> coatings = {};            ///< of these, from inside out
     GrainShape shape = {};
     std::optional<PhaseForm> phase = {};  ///< empty: mie, of grains that are no spheres smooth
-    /// Of the whole particle, > 0; empty: from the database, where needed.
+    /// The density of the whole particle, > 0; empty: from the database, where needed.
     std::optional<double> density_g_cm3 = {};
     std::optional<Amount> amount = {};  ///< see Medium
 
     bool operator==(const Species&) const = default;
 };
 
-/// What a layer is made of: species side by side in a host; medium() makes one from words.
+/// The content of a layer: species side by side in a host; medium() makes one from words.
 ///
 /// Several species need an amount each. One of them may leave it out where all others are mass
 /// fractions: it is the rest of the mass. A single species needs an amount where absolute amounts
@@ -240,7 +240,7 @@ struct Depth {
     bool operator==(const Depth&) const = default;
 };
 
-/// The same optical depth at every wavelength, as Chen et al. (2013) have it.
+/// One optical depth for every wavelength, as Chen et al. (2013) have it.
 Depth grey(double optical_depth);
 /// Reads `0.1`, `0.1[450nm]`, `0.1[grey]`, `40um`, `2mm`, `10cm`, `2kg/m2`, `30g/m2` or `inf`.
 /// @throws UsageError
@@ -258,7 +258,7 @@ struct Layer {
 /// @throws UsageError, InputError  as medium() and depth()
 Layer layer(const std::string& text);
 
-/// What lies below the layers where there is no half-space: a ground, or nothing.
+/// The support of the layers where there is no half-space: a ground, or nothing.
 struct Substrate {
     enum class Kind {
         black,       ///< nothing comes back
@@ -267,7 +267,8 @@ struct Substrate {
         mirror,      ///< a smooth surface of a metal or another refractive index
     };
     Kind kind = Kind::black;
-    /// Of a Lambertian ground, in [0, 1]: one for all wavelengths, or a table over `wavelength_nm`.
+    /// The albedo of a Lambertian ground, in [0, 1]: one for all wavelengths, or a table over
+    /// `wavelength_nm`.
     std::vector<double> albedo = {};
     std::vector<double> wavelength_nm = {};  ///< ascending; linear between them
     std::string file = {};                   ///< where the table comes from, for messages
@@ -367,7 +368,7 @@ std::string describe(const Scene& scene);
 /// @throws UsageError  for a substrate without layers
 const Medium& top_medium(const Scene& scene);
 
-/// What lies between the particles of a layer, or on a substrate without layers: its own host, else
+/// The host between the particles of a layer, or on a substrate without layers: its own host, else
 /// that of the scene.
 const Host& host_of(const Scene& scene, const Medium& medium);
 

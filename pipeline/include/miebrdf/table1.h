@@ -48,7 +48,7 @@ struct Table1Entry {
     std::optional<double> paper;  ///< as printed, where the paper has it
 };
 
-/// What to compute.
+/// The choice of what to compute.
 struct Table1Request {
     std::vector<std::string> materials;         ///< empty: the paper's four
     std::vector<Table1Convention> conventions;  ///< at least one
@@ -57,7 +57,7 @@ struct Table1Request {
     std::string database;                       ///< of the user's materials; empty: the default one
 };
 
-/// What was computed.
+/// The computed table.
 struct Table1Result {
     std::vector<Table1Entry> entries;  ///< material by material
     std::vector<std::string> sources;  ///< one line for each material

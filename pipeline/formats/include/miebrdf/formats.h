@@ -96,7 +96,7 @@ struct AcceptedErrors {
     double of(RegionKind kind) const {
         return kind == RegionKind::plain ? plain : kind == RegionKind::peaks ? peaks : grazing;
     }
-    /// The same with at least `least` everywhere, and exactly that in plain regions.
+    /// These errors with at least `least` everywhere, and exactly that in plain regions.
     AcceptedErrors with_plain(double least) const;
 };
 
@@ -108,7 +108,7 @@ struct Format {
     std::vector<std::string> endings = {};         ///< of file names, the usual one first
     FormatContent content = FormatContent::table;  ///< what such files hold
 
-    // What it takes of ExportOptions.
+    // The options that it takes of ExportOptions.
     Fineness resolution = {};              ///< of ExportOptions::resolution
     bool takes_directions = false;         ///< ExportOptions::directions
     bool takes_colours = false;            ///< ExportOptions::rgb
@@ -274,7 +274,7 @@ class BrdfFile {
 
     /// "550 nm" or "R", "G", "B" or whatever the file calls them.
     virtual const std::vector<std::string>& channels() const = 0;
-    /// Of each channel; empty when the channels are colours.
+    /// The wavelength of each channel; empty when the channels are colours.
     virtual const std::vector<double>& wavelength_nm() const = 0;
 
     /// BRDF in 1/sr without the cosine, one value for each channel; not a number where the file
@@ -283,10 +283,10 @@ class BrdfFile {
     void evaluate(const Direction& direction, std::span<double> values) const;
     /// Mueller matrices as of BrdfSource, of one direction; 1 component: none.
     virtual int components() const { return 1; }
-    /// Of components() x components() values for each channel.
+    /// Fills in components() x components() values for each channel.
     /// @throws UsageError  for a direction out of range and too few values
     void evaluate_mueller(const Direction& direction, std::span<double> values) const;
-    /// Of tables over lists of directions.
+    /// The lists of directions of a table over such lists.
     virtual std::optional<ListedDirections> listed() const { return {}; }
 
     /// Which cosine the format's importance sampling starts from; it draws the other one.
@@ -295,7 +295,7 @@ class BrdfFile {
     /// Draws a direction with two uniform numbers in [0, 1), as the real program does. Empty when
     /// it fell below the horizon.
     virtual std::optional<Direction> sample(double mu_fixed, double u, double v) const;
-    /// Of `sample`, per unit of solid angle, at any direction.
+    /// The density of `sample`, per unit of solid angle, at any direction.
     virtual double density(const Direction& direction) const;
 
   protected:
@@ -314,7 +314,7 @@ class BrdfFile {
 /// @throws InputError  for an unknown, damaged, truncated or inconsistent file
 std::unique_ptr<BrdfFile> read_brdf_file(std::string content, const std::string& name,
                                          std::span<const Format> known = all_formats());
-/// The same from disk. @throws InputError
+/// Opens a file on disk. @throws InputError
 std::unique_ptr<BrdfFile> open_brdf_file(const std::string& path,
                                          std::span<const Format> known = all_formats());
 
@@ -343,7 +343,7 @@ struct FileCheck {
 /// In tables it looks at the directions that they list: random combinations, and all angles of
 /// incidence.
 FileCheck check_file(const BrdfFile& file, std::size_t directions = 4000);
-/// The same from disk. @throws InputError
+/// Checks a file on disk. @throws InputError
 FileCheck check_file(const std::string& path);
 
 /// How far a file is from the BRDF that it is said to hold.

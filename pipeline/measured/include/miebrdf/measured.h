@@ -42,7 +42,7 @@ enum class MeasuredGeometry {
     directions,     ///< mu_in, mu_out, azimuth
 };
 
-/// What was measured, and how.
+/// The quantity that was measured, and how.
 struct MeasuredKind {
     MeasuredQuantity quantity = MeasuredQuantity::reflectance;
     MeasuredGeometry geometry = MeasuredGeometry::unknown;
@@ -50,7 +50,7 @@ struct MeasuredKind {
     bool operator==(const MeasuredKind&) const = default;
 };
 
-/// What a word says: plane_albedo, spherical_albedo, hemispherical, plane_transmittance,
+/// The kind that a word names: plane_albedo, spherical_albedo, hemispherical, plane_transmittance,
 /// spherical_transmittance, brdf, reflection, reflectance_factor, hdrf, d8-sci, d8-sce, 45-0, lab
 /// (its L*), reflectance, transmittance.
 /// @throws UsageError  naming them
@@ -76,12 +76,12 @@ struct MeasuredValue {
     int line = 0;                          ///< of the file; 0: it has none
 };
 
-/// What a file says.
+/// The content of a file.
 struct Measurements {
     std::string file, format;
     std::vector<std::string> samples;   ///< names of samples or columns, at least one
     std::vector<MeasuredValue> values;  ///< sample by sample, wavelengths ascending
-    /// What was understood, by name: "unit" -> "percent", "azimuth" -> "0 = mirror side".
+    /// How the file was understood, by name: "unit" -> "percent", "azimuth" -> "0 = mirror side".
     std::vector<std::pair<std::string, std::string>> facts = {};
     /// Sentences about what may be wrong, with the line and what would help.
     std::vector<std::string> doubts = {};
@@ -97,8 +97,8 @@ struct MeasuredOptions {
     std::optional<double> mu_in = {}, mu_out = {}, azimuth_deg = {};
     /// Standard errors of values that have none; both: the root of the sum of squares.
     std::optional<double> sigma = {}, relative_sigma = {};
-    /// What azimuth 0 means in the file: "mirror" or "back" (towards the source, as in graphics).
-    /// Empty: as the file says, or as its values show beyond doubt.
+    /// The meaning of azimuth 0 in the file: "mirror" or "back" (towards the source, as in
+    /// graphics). Empty: as the file says, or as its values show beyond doubt.
     std::string azimuth_zero = {};
     /// USGS splib: the file of wavelengths; empty: looked for beside the file and in the two
     /// folders above.

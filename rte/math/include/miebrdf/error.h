@@ -30,7 +30,7 @@ class Error : public std::runtime_error {
           value_(std::move(value)),
           allowed_(std::move(allowed)) {}
 
-    /// What was wrong, e.g. "mu_in"; may be empty, as may the other two.
+    /// The name of what was wrong, e.g. "mu_in"; may be empty, as may the other two.
     const std::string& field() const { return field_; }
     const std::string& value() const { return value_; }      ///< as given; may be empty
     const std::string& allowed() const { return allowed_; }  ///< what would be right

@@ -8,7 +8,7 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
-/// Of the scattering matrix of particles without preferred direction
+/// The scattering matrix of particles without preferred direction
 ///     F = [[a1, b1, 0, 0], [b1, a2, 0, 0], [0, 0, a3, b2], [0, 0, -b2, a4]]
 /// all elements but the phase function a1 = sum (2l + 1) chi_l P_l, in Wigner's functions
 /// d^l_mn(Theta) (Legendre's P_l = d^l_00):
