@@ -17,6 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDegree = std::numbers::pi / 180;
 
 // docs/maths-mie.md#phase-function and docs/internals/mie-log.md have the measurements.
+// docs/internals/constants.md says what each constant does.
 struct Refinement {
     /// Shares of the tolerance: for the noise of one part of several, and, of that of
     /// interpolation, for what the polynomial of one part leaves out.

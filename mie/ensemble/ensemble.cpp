@@ -21,6 +21,7 @@ namespace {
 
 using Rule = SizePasses::Rule;
 
+// docs/internals/constants.md says what each constant does.
 struct AverageRule {
     /// A table has moments as exact as this.
     static constexpr double kLeastTableTolerance = 1e-5;

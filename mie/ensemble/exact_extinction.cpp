@@ -83,6 +83,7 @@ void forward_sums(Complex m, const Complex* x, Complex* sums) {
 
 // Relative errors on the reference cases are below 1.5e-8 with these
 // (tests/mie/exact_extinction_test.cpp).
+// docs/internals/constants.md says what each constant does.
 struct PathRule {
     /// Im x: higher, small spheres would cancel.
     static constexpr double kHeight = 4;

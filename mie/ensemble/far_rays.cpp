@@ -15,6 +15,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
+// docs/internals/constants.md says what each constant does.
 struct FarRayRule {
     /// Orders below and above that scatter less than this share of the light together are left
     /// out: 1e-5 of P straight back, where all add up in step.

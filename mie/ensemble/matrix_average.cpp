@@ -24,6 +24,7 @@ namespace {
 
 using Rule = SizePasses::Rule;
 
+// docs/internals/constants.md says what each constant does.
 struct MatrixRule {
     /// Points of P have the errors of all degrees: their relative change counts for this much less
     /// than that of single degrees. Where P is below `phase_floor`, it is relative to that, which

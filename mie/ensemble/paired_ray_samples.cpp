@@ -12,6 +12,7 @@
 namespace miebrdf::mie {
 namespace {
 
+// docs/internals/constants.md says what each constant does.
 struct RaySampleRule {
     /// The sizes of levels 0 and 1 may err, where rays interfere, by so many times what the samples
     /// differ by, and by this share of the part's value (docs/internals/mie-log.md#rays).

@@ -12,6 +12,7 @@
 namespace miebrdf::mie {
 namespace {
 
+// docs/internals/constants.md says what each constant does.
 struct SampleRule {
     /// Sizes of level 0 of each sample where there is no ripple, and at least.
     static constexpr int kLeastUnit = 32;

@@ -11,7 +11,7 @@
 
 namespace miebrdf::mie {
 
-/// What all averages share.
+/// Limits that all averages share.
 struct AverageLimits {
     /// No estimate is below what rounding leaves.
     static constexpr double kRounding = 1e-13;

@@ -11,6 +11,7 @@ namespace miebrdf::mie {
 namespace {
 
 // docs/maths-mie.md#phase-function and docs/internals/mie-log.md have the measurements.
+// docs/internals/constants.md says what each constant does.
 struct PanelRule {
     /// Widths grow by this share of the distance from the nearer end, up to the widest.
     static constexpr double kWidthGrowth = 0.4, kWidest = 6 * std::numbers::pi / 180;

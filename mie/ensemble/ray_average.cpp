@@ -15,6 +15,7 @@ namespace {
 
 // Each was found over random ensembles, against sums over spheres (tests/mie/rays_test.cpp;
 // docs/internals/mie-log.md#rays).
+// docs/internals/constants.md says what each constant does.
 struct RayRule {
     /// The wave through the middle of a sphere is behind the diffracted one by rho = 2 x (n - 1).
     /// Where that is less than about one turn there is nothing to average (anomalous diffraction).

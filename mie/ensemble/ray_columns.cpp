@@ -16,6 +16,7 @@ namespace {
 using Complex = std::complex<double>;
 using Block = SphereBlockOf<float>;
 
+// docs/internals/constants.md says what each constant does.
 struct RayColumnRule {
     /// Orders from 1 on, and from the last one down, that scatter less than this share of the light
     /// together are left out. Straight back the waves of all orders add up in step: there a share

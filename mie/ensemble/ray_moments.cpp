@@ -14,6 +14,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
+// docs/internals/constants.md says what each constant does.
 struct RayMomentRule {
     /// Light reflected at grazing incidence goes along with what is diffracted: wholly down to the
     /// first of these below x, in x^(1/3), not at all from the second on.

@@ -15,6 +15,7 @@ constexpr int kRowsPerRate = 4;  // cos and sin, each also times ln x
 
 // Chosen by the error of 24 weighted sizes against 768 (tests/mie/ray_weights_test.cpp;
 // docs/internals/mie-log.md#rays).
+// docs/internals/constants.md says what each constant does.
 struct InterferenceRule {
     /// Terms at one angle: the brightest count.
     static constexpr std::size_t kMostRays = 6, kMostRates = 8;

@@ -10,6 +10,7 @@
 namespace miebrdf::mie {
 namespace {
 
+// docs/internals/constants.md says what each constant does.
 struct PassRule {
     /// Sizes of the first pass where efficiencies are smooth: at least so many, and so many for
     /// each factor e of the sizes. Fewer agree by chance with twice as many: gamma, 10 um, variance

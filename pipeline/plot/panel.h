@@ -44,7 +44,7 @@ struct Curve {
     std::optional<double> shade = {};
 };
 
-/// What stands beside a point.
+/// The words beside a point.
 struct PointName {
     double x = 0.0, y = 0.0;
     std::string text;

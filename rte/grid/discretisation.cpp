@@ -37,7 +37,7 @@ double negligible_moment(const Stack& stack, const SolverOptions& options) {
     return std::min(0.05 * std::sqrt(options.tolerance), 20.0 * options.tolerance);
 }
 
-// What follows decides which estimates are believed: `miebrdf stress` (promises) and
+// These constants decide which estimates are believed: `miebrdf stress` (promises) and
 // tests/rte/random_boundaries_test.cpp count the converged results beyond their tolerance.
 
 // chi_2n above this: between 2n/3 and n nodes the error does not fall geometrically yet.

@@ -150,7 +150,7 @@ bool load(const std::string& file, const std::vector<Spheres>& spheres, std::vec
     return bool(in);
 }
 
-// What is wrong beyond the noise of the truth.
+// The error beyond the noise of the truth.
 double beyond(double value, double truth, double noise) {
     return std::max(0.0, std::abs(value - truth) - 2 * noise);
 }
