@@ -15,6 +15,7 @@
 #include "mie/ensemble/moment_transform.h"
 #include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/phase_table.h"
+#include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/size_passes.h"
 #include "mie/sizes/size_law.h"
 
@@ -28,6 +29,9 @@ struct DifferenceRule {
     static constexpr int kTimesAsManySizes = 2;
     /// Sizes at most; where there are angles, as many as take about a second.
     static constexpr int kMostSizes = 8192, kMostSmooth = 512;
+    /// Averages over rays are smooth in every number, but of products in single precision: so many
+    /// times the step, whose second order is then below 1e-5.
+    static constexpr double kRaySteps = 100;
 };
 
 /// Radii, and the length of radius that each stands for.
@@ -156,6 +160,54 @@ std::shared_ptr<const PhaseTable> table_of(const Eigen::VectorXd& values, const 
     return std::make_shared<const PhaseTable>(PhaseTable(std::move(parts)));
 }
 
+/// Two numbers of a request in the middle, farther apart.
+EnsembleRequest farther(const EnsembleRequest& middle, const EnsembleRequest& side) {
+    EnsembleRequest result = side;
+    const auto move = [](auto& number, const auto& from) {
+        number = from + DifferenceRule::kRaySteps * (number - from);
+    };
+    move(result.sizes.effective_radius_um, middle.sizes.effective_radius_um);
+    move(result.sizes.effective_variance, middle.sizes.effective_variance);
+    move(result.refractive_index, middle.refractive_index);
+    move(result.host_index, middle.host_index);
+    return result;
+}
+
+/// Where averages are over rays, as those of large spheres of many sizes: no sphere is needed.
+/// Nothing where they are not, or where only one side is possible and so large a step errs.
+std::optional<EnsembleDifference> difference_of_rays(const EnsembleRequest& middle,
+                                                     const EnsembleRequest& plus,
+                                                     const EnsembleRequest& minus,
+                                                     const DifferenceDemand& demand,
+                                                     const Executor& run) {
+    const auto numbers = [](const EnsembleRequest& one) {
+        return std::array{one.sizes.effective_radius_um, one.sizes.effective_variance,
+                          one.refractive_index.real(), one.refractive_index.imag(), one.host_index};
+    };
+    if (demand.matrix_degree >= 0 || demand.phase_table != nullptr ||
+        demand.highest_moment > AverageLimits::kMostBandWidth || numbers(plus) == numbers(middle) ||
+        numbers(minus) == numbers(middle))
+        return std::nullopt;
+    const auto average = [&](const EnsembleRequest& request) {
+        return average_over_rays(ensemble_of(request), std::max(1, demand.highest_moment),
+                                 middle.tolerance, run);
+    };
+    const auto a = average(farther(middle, plus)), b = average(farther(middle, minus));
+    if (!a || !b || a->size_nodes != b->size_nodes) return std::nullopt;
+    const auto slope = [](double above, double below) {
+        return (above - below) / DifferenceRule::kRaySteps;
+    };
+    EnsembleDifference result;
+    result.single_scattering_albedo =
+        slope(a->single_scattering_albedo, b->single_scattering_albedo);
+    result.one_minus_albedo = slope(a->one_minus_albedo, b->one_minus_albedo);
+    result.q_ext = slope(a->q_ext, b->q_ext);
+    result.asymmetry = slope(a->asymmetry, b->asymmetry);
+    for (int l = 0; l <= demand.highest_moment; ++l)
+        result.chi.push_back(slope(a->chi[std::size_t(l)], b->chi[std::size_t(l)]));
+    return result;
+}
+
 }  // namespace
 
 EnsembleDifference difference_of_averages(const EnsembleRequest& middle,
@@ -166,6 +218,7 @@ EnsembleDifference difference_of_averages(const EnsembleRequest& middle,
         if (request->aspect) throw UsageError("derivatives by sizes and indices are of spheres");
     }
     const Executor pieces = flushing(run);
+    if (auto rays = difference_of_rays(middle, plus, minus, demand, pieces)) return *rays;
     const Ensemble ensemble = ensemble_of(middle);
     SizeSumOptions options;
     options.terms =

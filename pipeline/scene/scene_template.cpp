@@ -11,7 +11,7 @@ std::string filled(const std::string& text, const TextOfName& text_of_name) {
     std::string out;
     std::size_t done = 0;
     for (const std::string& name : gaps_in(text)) {
-        const std::size_t at = text.find('{', done);
+        const std::size_t at = text.find("{" + name + "}", done);
         out.append(text, done, at - done).append(text_of_name(name));
         done = at + name.size() + 2;
     }
@@ -27,7 +27,9 @@ std::vector<std::string> gaps_in(const std::string& text) {
         const std::size_t end = text[at] == '{' ? text.find_first_of("{}", at + 1) : at;
         if (end == std::string::npos || text[at] == '}' || text[end] == '{' || end == at + 1)
             throw UsageError(fmt::format("'{}': braces hold a name, {{radius_um}}", text));
-        names.push_back(text.substr(at + 1, end - at - 1));
+        // A number with a name stays as it is.
+        const std::string name = text.substr(at + 1, end - at - 1);
+        if (name.find('=') == std::string::npos) names.push_back(name);
         at = end + 1;
     }
     return names;

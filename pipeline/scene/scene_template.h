@@ -21,7 +21,8 @@ struct TemplateWord {
     }
 };
 
-/// The names that stand in braces in a text. @throws UsageError  for braces without one
+/// The names that stand in braces in a text, but for `{name=value}`. @throws UsageError  for braces
+/// without one
 std::vector<std::string> gaps_in(const std::string& text);
 
 /// The text that stands for a name.

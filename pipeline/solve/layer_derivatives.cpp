@@ -34,6 +34,15 @@ Weights surface_weights(const LayerRequest& request, const ResolvedScene& scene,
     return [transmission](double mu) { return transmission->weights(mu); };
 }
 
+/// The same of a side of a change; empty where it has the surface of the scene.
+Weights changed_weights(const LayerRequest& request, const ResolvedScene& side, std::size_t w) {
+    if (request.quantity != LayerQuantity::albedo_through_surface) return {};
+    JobKey own("surface"), changed("surface");
+    add_surface(own, request.scene, w);
+    add_surface(changed, side, w);
+    return own.hash() == changed.hash() ? Weights{} : surface_weights(request, side, w);
+}
+
 /// Everything that the layers' part of a result depends on.
 std::string layers_key(const LayerRequest& request, const ResolvedScene& scene, std::size_t w) {
     JobKey key("layers");
@@ -131,8 +140,8 @@ class WavelengthDerivatives {
             const ChangedSpheres spheres(request_.scene, change, w_, demand_, control_);
             stacks.push_back({stack_of(change.plus, spheres.plus()),
                               stack_of(change.minus, spheres.minus()), change.apart[w_],
-                              surface_weights(request_, change.plus, w_),
-                              surface_weights(request_, change.minus, w_)});
+                              changed_weights(request_, change.plus, w_),
+                              changed_weights(request_, change.minus, w_)});
             require_bound(change, stacks.back());
             places.push_back(c);
         }

@@ -12,6 +12,16 @@ class LayoutBuilder {
         layout_.record += variable.size;
         layout_.variables.push_back(std::move(variable));
     }
+    /// The same, and its derivatives.
+    void add_with_derivatives(const std::string& name, const std::string& long_name,
+                              const std::string& unit, const std::vector<const Axis*>& axes,
+                              const std::vector<std::string>& parameters) {
+        add(name, long_name, unit, axes);
+        for (const std::string& parameter : parameters) {
+            add(derivative_name(name, parameter), "derivative of " + name + " by " + parameter,
+                unit, axes);
+        }
+    }
     Layout finished() { return std::move(layout_); }
 
   private:
@@ -45,6 +55,10 @@ std::string mueller_name(int row, int column) {
     return "m" + std::to_string(row + 1) + std::to_string(column + 1);
 }
 
+std::string derivative_name(const std::string& variable, const std::string& parameter) {
+    return variable + "_d_" + parameter;
+}
+
 const Variable* Layout::find(const std::string& name) const {
     for (const Variable& variable : variables) {
         if (variable.name == name) return &variable;
@@ -55,26 +69,29 @@ const Variable* Layout::find(const std::string& name) const {
 Layout layout_of(const Sweep& sweep) {
     const Axis *w = &sweep.wavelength, *in = &sweep.incidence, *out = &sweep.reflection;
     LayoutBuilder builder;
+    const auto add = [&](const std::string& name, const std::string& long_name,
+                         const std::string& unit, const std::vector<const Axis*>& axes) {
+        builder.add_with_derivatives(name, long_name, unit, axes, sweep.derivatives);
+    };
     for (const Output output : sweep.outputs) {
         switch (output) {
             case Output::brdf:
-                builder.add("brdf", "bidirectional reflectance distribution function", "sr-1",
-                            {w, in, out, &sweep.azimuth});
+                add("brdf", "bidirectional reflectance distribution function", "sr-1",
+                    {w, in, out, &sweep.azimuth});
                 break;
             case Output::plane_albedo:
-                builder.add("plane_albedo", "plane albedo (directional-hemispherical reflectance)",
-                            "1", {w, in});
+                add("plane_albedo", "plane albedo (directional-hemispherical reflectance)", "1",
+                    {w, in});
                 break;
             case Output::spherical_albedo:
-                builder.add("spherical_albedo", "spherical albedo (bihemispherical reflectance)",
-                            "1", {w});
+                add("spherical_albedo", "spherical albedo (bihemispherical reflectance)", "1", {w});
                 break;
             case Output::plane_transmittance:
-                builder.add("plane_transmittance", "net flux into the substrate", "1", {w, in});
+                add("plane_transmittance", "net flux into the substrate", "1", {w, in});
                 break;
             case Output::spherical_transmittance:
-                builder.add("spherical_transmittance",
-                            "net flux into the substrate, of uniform light", "1", {w});
+                add("spherical_transmittance", "net flux into the substrate, of uniform light", "1",
+                    {w});
                 break;
             case Output::colour:
                 add_colours(builder, sweep);

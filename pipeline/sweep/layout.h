@@ -28,6 +28,8 @@ struct Layout {
 
 /// "m12": row 0, column 1.
 std::string mueller_name(int row, int column);
+/// The variable of a derivative: `plane_albedo_d_radius_um`.
+std::string derivative_name(const std::string& variable, const std::string& parameter);
 
 /// @param sweep  must outlive the layout
 Layout layout_of(const Sweep& sweep);

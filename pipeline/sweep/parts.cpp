@@ -101,7 +101,8 @@ Chunk Chunks::operator[](std::size_t number) const {
 std::string identity_of(const Sweep& sweep) {
     // The title and the text are for readers of tables.
     const auto& [title, words, dimensions, optical_dimensions, wavelength, incidence, reflection,
-                 azimuth, outputs, viewing, for_eradiate, scenes_per_chunk, text] = sweep;
+                 azimuth, outputs, derivatives, viewing, for_eradiate, scenes_per_chunk, text] =
+        sweep;
     JobKey key("sweep");
     key.add(kVersion).add(dimensions).add(optical_dimensions).add(scenes_per_chunk);
     key.add(wavelength).add(incidence).add(reflection).add(azimuth);
@@ -109,7 +110,12 @@ std::string identity_of(const Sweep& sweep) {
         key.add(word.name).add(word.values.size());
         for (const WordValue& value : word.values) key.add(value.index()).add(text_of(value));
     }
-    return key.add(outputs).add(viewing.illuminant).add(viewing.observer).add(for_eradiate).hash();
+    return key.add(outputs)
+        .add(derivatives)
+        .add(viewing.illuminant)
+        .add(viewing.observer)
+        .add(for_eradiate)
+        .hash();
 }
 
 fs::path Parts::folder_of(const fs::path& table) { return table.string() + ".parts"; }

@@ -21,7 +21,7 @@ class Record {
         result_.converged = true;
     }
 
-    void set(const char* name, std::size_t first, const std::vector<double>& values) {
+    void set(const std::string& name, std::size_t first, const std::vector<double>& values) {
         const Variable& variable = *layout_.find(name);
         std::copy(values.begin(), values.end(),
                   result_.values.begin() + std::ptrdiff_t(variable.offset + first));
@@ -41,12 +41,21 @@ class Record {
     SceneResult& result_;
 };
 
-void add_brdf(const Brdf& brdf, const Directions& directions, Record& record) {
-    const BrdfValues values =
-        brdf.evaluate(directions, {.subsurface = false, .surface = false, .total = true});
+void set_brdf(const BrdfValues& values, const std::string& name, Record& record) {
     for (std::size_t w = 0; w < values.slices.size(); ++w)
-        record.set("brdf", w * values.slices[w].total.size(), values.slices[w].total);
-    record.add(values);
+        record.set(name, w * values.slices[w].total.size(), values.slices[w].total);
+}
+
+void add_brdf(const Brdf& brdf, const Sweep& sweep, Record& record) {
+    const BrdfParts parts{.subsurface = false, .surface = false, .total = true};
+    const auto all = [&]() -> WithDerivatives<BrdfValues> {
+        if (sweep.derivatives.empty()) return {brdf.evaluate(sweep.directions(), parts), {}, {}};
+        return brdf.derivatives(sweep.derivatives).evaluate(sweep.directions(), parts);
+    }();
+    set_brdf(all.values, "brdf", record);
+    for (std::size_t p = 0; p < all.derivatives.size(); ++p)
+        set_brdf(all.derivatives[p], derivative_name("brdf", all.parameters[p]), record);
+    record.add(all.values);
 }
 
 /// Elements that this scene does not have stay not-a-number.
@@ -62,7 +71,7 @@ void add_mueller(const Brdf& brdf, const Directions& directions, const Layout& l
             std::vector<double> of_element;
             for (std::size_t i = e; i < values.mueller[w].size(); i += elements)
                 of_element.push_back(values.mueller[w][i]);
-            record.set(name.c_str(), w * of_element.size(), of_element);
+            record.set(name, w * of_element.size(), of_element);
         }
     }
     record.add(values);
@@ -91,21 +100,39 @@ void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& rec
     }
 }
 
-void add_albedos(const Sweep& sweep, const Brdf& brdf, Record& record) {
-    const AlbedoValues values = brdf.albedo(sweep.directions().mu_in);
+/// @param spell  the variable's name
+template <typename Spell>
+void set_albedos(const AlbedoValues& values, const Sweep& sweep, const Spell& spell,
+                 Record& record) {
     const std::size_t in = values.mu_in.size();
+    const auto set = [&](Output output, std::size_t first, const std::vector<double>& list) {
+        if (sweep.wants(output)) record.set(spell(name_of(output)), first, list);
+    };
     for (std::size_t w = 0; w < values.spherical_albedo.size(); ++w) {
-        if (sweep.wants(Output::plane_albedo))
-            record.set("plane_albedo", w * in, values.plane_albedo[w]);
-        if (sweep.wants(Output::spherical_albedo))
-            record.set("spherical_albedo", w, {values.spherical_albedo[w]});
-        if (sweep.wants(Output::plane_transmittance))
-            record.set("plane_transmittance", w * in, values.plane_transmittance[w]);
-        if (sweep.wants(Output::spherical_transmittance))
-            record.set("spherical_transmittance", w, {values.spherical_transmittance[w]});
+        set(Output::plane_albedo, w * in, values.plane_albedo[w]);
+        set(Output::spherical_albedo, w, {values.spherical_albedo[w]});
+        if (values.spherical_transmittance.empty()) continue;
+        set(Output::plane_transmittance, w * in, values.plane_transmittance[w]);
+        set(Output::spherical_transmittance, w, {values.spherical_transmittance[w]});
     }
-    if (sweep.wants(Output::colour)) add_colours(values, sweep.viewing, record);
-    record.add(values);
+}
+
+void add_albedos(const Sweep& sweep, const Brdf& brdf, Record& record) {
+    const std::vector<double> mu_in = sweep.directions().mu_in;
+    const auto all = [&]() -> WithDerivatives<AlbedoValues> {
+        if (sweep.derivatives.empty()) return {brdf.albedo(mu_in), {}, {}};
+        return brdf.derivatives(sweep.derivatives).albedo(mu_in);
+    }();
+    set_albedos(
+        all.values, sweep, [](const std::string& name) { return name; }, record);
+    for (std::size_t p = 0; p < all.derivatives.size(); ++p) {
+        set_albedos(
+            all.derivatives[p], sweep,
+            [&](const std::string& name) { return derivative_name(name, all.parameters[p]); },
+            record);
+    }
+    if (sweep.wants(Output::colour)) add_colours(all.values, sweep.viewing, record);
+    record.add(all.values);
 }
 
 }  // namespace
@@ -131,7 +158,7 @@ SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t sc
         const Request request = request_of(sweep, scene);
         require_transmittance(sweep, request);
         const Brdf brdf = solve(request.scene, sweep.wavelength.numbers, request.solver, control);
-        if (sweep.wants(Output::brdf)) add_brdf(brdf, sweep.directions(), record);
+        if (sweep.wants(Output::brdf)) add_brdf(brdf, sweep, record);
         if (sweep.wants(Output::mueller)) add_mueller(brdf, sweep.directions(), layout, record);
         if (sweep.wants_albedos()) add_albedos(sweep, brdf, record);
         return result;

@@ -152,7 +152,12 @@ std::vector<std::size_t> place_of(const Sweep& sweep, std::size_t scene) {
 Request request_of(const Sweep& sweep, std::size_t scene) {
     const std::vector<std::size_t> place = place_of(sweep, scene);
     Request request;
-    const auto word_of = [&](const std::string& axis) { return word_at(sweep, place, axis); };
+    const auto word_of = [&](const std::string& axis) {
+        const std::string word = word_at(sweep, place, axis);
+        const bool is_named = std::find(sweep.derivatives.begin(), sweep.derivatives.end(), axis) !=
+                              sweep.derivatives.end();
+        return is_named ? fmt::format("{{{}={}}}", axis, word) : word;
+    };
     for (const TemplateWord& word : sweep.words) apply(word, word_of, request);
     return request;
 }

@@ -67,6 +67,9 @@ struct Sweep {
     /// incidence and reflection are cosines or, by their names, degrees.
     Axis wavelength, incidence, reflection, azimuth;
     std::vector<Output> outputs = {};
+    /// Parameters that the outputs have derivatives by: axes of scenes, numbers that have names in
+    /// words, n(NAME), k(NAME).
+    std::vector<std::string> derivatives = {};
     Viewing viewing = {};
     bool for_eradiate = false;         ///< layout of the table (eradiate.h)
     std::size_t scenes_per_chunk = 0;  ///< as the file says; 0: chosen

@@ -151,6 +151,11 @@ void require_outputs(const Sweep& sweep) {
         require_axis(sweep.reflection, "mu_out or theta_out_deg", output);
         require_axis(sweep.azimuth, "azimuth_deg", output);
     }
+    const bool has_others = sweep.wants(Output::colour) || sweep.wants(Output::mueller);
+    if (!sweep.derivatives.empty() && (has_others || sweep.for_eradiate))
+        throw UsageError(
+            "derivatives are of brdf, albedos and transmittances; leave out colour, mueller and "
+            "layout = \"eradiate\"");
     if (sweep.wants(Output::colour) && !covers_the_visible(sweep.wavelength.numbers))
         throw UsageError(
             "the output colour needs eight or more ascending wavelengths from 430 nm or "

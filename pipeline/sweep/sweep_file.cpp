@@ -18,7 +18,7 @@ namespace {
 
 constexpr char kKind[] = "sweep file";
 const std::vector<std::string> kKeys = {"title",   "scene",   "axes",  "outputs", "units",
-                                        "combine", "viewing", "chunk", "layout"};
+                                        "combine", "viewing", "chunk", "layout",  "derivatives"};
 
 std::vector<std::string> names_of_words() {
     std::vector<std::string> names;
@@ -40,6 +40,7 @@ class SweepFile : TomlFile {
         read_units();
         read_words();
         read_outputs();
+        read_derivatives();
         if (const std::string eye = text_of(root(), "viewing"); !eye.empty())
             at(*root().get("viewing"), [&] { sweep_.viewing = viewing(eye); });
         if (const toml::node* chunk = root().get("chunk")) {
@@ -236,6 +237,23 @@ class SweepFile : TomlFile {
                 refuse_word(item.source(), fmt::format("unknown output '{}'", name), name,
                             output_names());
             }
+        }
+    }
+
+    void read_derivatives() {
+        const toml::node* node = root().get("derivatives");
+        if (node == nullptr) return;
+        const toml::array* list = node->as_array();
+        if (list == nullptr)
+            refuse(*node, "'derivatives' is a list of names of numbers, [\"radius_um\"]");
+        for (const toml::node& item : *list) {
+            const std::string name = item.value_or(std::string());
+            const Axis* axis = find_axis(sweep_, name);
+            if (name.empty() || (axis != nullptr && axis->is_text()))
+                refuse(item,
+                       "derivatives are by numbers: axes of them, names as in "
+                       "{w=0.9}, n(NAME) and k(NAME)");
+            sweep_.derivatives.push_back(name);
         }
     }
 

@@ -1,6 +1,7 @@
 // A rough boundary on what lies below it, for the Fourier orders of one request after the other.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "rte/boundary/rough_boundaries.h"
@@ -27,6 +28,18 @@ class RoughTop {
     /// @param parts   `sky` stands for uniform light from everywhere
     /// @param result  overwritten
     void put_on(int fourier_order, const Reflector& below, ReflectorParts parts, Reflector& result);
+
+    /// Of an order that `put_on` has seen: matrices of RoughBoundary and LightFromAir.
+    const Eigen::MatrixXd& inside(int fourier_order) const {
+        return boundary_->inside(fourier_order);
+    }
+    const Eigen::MatrixXd& entering(int fourier_order) const {
+        return light_.entering[std::size_t(fourier_order)];
+    }
+    const Eigen::MatrixXd& entering_at_once(int fourier_order) const {
+        return light_.entering_at_once[std::size_t(fourier_order)];
+    }
+    double index() const { return index_; }
 
   private:
     void need_orders(int count);

@@ -19,14 +19,6 @@ double dielectric_reflectance(double here, double beyond, double mu) {
     return mu2 > 0.0 ? fresnel_reflectance(ratio, std::sqrt(mu2)) : 1.0;
 }
 
-// Light that is reflected for ever between two boundaries, as nothing lies between them: none gets
-// there, and none of it is seen.
-void leave_out_unreachable(const Eigen::MatrixXd& X, Eigen::VectorXd& reflectance) {
-    for (Eigen::Index p = 0; p < reflectance.size(); ++p) {
-        if (reflectance[p] * X(p, p) >= 1.0) reflectance[p] = 0.0;
-    }
-}
-
 // G = Gamma^(1/2) (I - Gamma^(1/2) X Gamma^(1/2))^-1 Gamma^(1/2). False if it has no physical
 // solution.
 bool find_returns(const Eigen::VectorXd& at_nodes, const Eigen::MatrixXd& X, FourierWork& work,
@@ -53,6 +45,12 @@ bool find_returns(const Eigen::VectorXd& at_nodes, const Eigen::MatrixXd& X, Fou
 }
 
 }  // namespace
+
+void leave_out_unreachable(const Eigen::MatrixXd& X, Eigen::VectorXd& reflectance) {
+    for (Eigen::Index p = 0; p < reflectance.size(); ++p) {
+        if (reflectance[p] * X(p, p) >= 1.0) reflectance[p] = 0.0;
+    }
+}
 
 double boundary_reflectance(double here, std::complex<double> beyond, double mu) {
     return beyond.imag() == 0.0 ? dielectric_reflectance(here, beyond.real(), mu)

@@ -35,6 +35,10 @@ struct SmoothBoundary {
                    const RequestedDirections& requested);
 };
 
+/// Light that is reflected for ever between two boundaries, as nothing lies between them: none gets
+/// there, and none of it is seen.
+void leave_out_unreachable(const Eigen::MatrixXd& X, Eigen::VectorXd& reflectance);
+
 /// Reflection of one Fourier order by `below` seen through the boundary from above. Light that
 /// comes back is reflected down again as often as it takes: with X of what lies below and Gamma =
 /// diag(r),

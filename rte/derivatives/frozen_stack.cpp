@@ -96,10 +96,13 @@ std::vector<double> frozen_reflection(const FrozenStack& frozen, const ScaledSta
 }
 
 std::vector<double> frozen_first_order(const FrozenStack& frozen, const ScaledStack& scaled,
-                                       const Directions& directions) {
-    std::vector<double> reflection(
-        directions.mu_in.size() * directions.mu_out.size() * directions.azimuth_deg.size(), 0.0);
-    FirstOrderSum(directions, frozen.options()).add_to(reflection, scaled);
+                                       const Directions& directions, const SolvedLight& light) {
+    std::vector<double> reflection(directions.mu_in.size() * directions.mu_out.size() *
+                                       directions.azimuth_deg.size() *
+                                       std::size_t(light.shown() * light.shown()),
+                                   0.0);
+    FirstOrderSum(directions, frozen.options(), light.components, light.shown())
+        .add_to(reflection, scaled);
     return reflection;
 }
 

@@ -44,9 +44,9 @@ class FrozenStack {
 std::vector<double> frozen_reflection(const FrozenStack& frozen, const ScaledStack& scaled,
                                       const StackGrids& grids, const Directions& directions,
                                       const SolvedLight& light);
-/// The part of it that is scattered once, of light as a number.
+/// The part of it that is scattered once.
 std::vector<double> frozen_first_order(const FrozenStack& frozen, const ScaledStack& scaled,
-                                       const Directions& directions);
+                                       const Directions& directions, const SolvedLight& light);
 /// Fills in all of an AlbedoTable but the mirror's part and the report.
 AlbedoTable frozen_albedo(const FrozenStack& frozen, const ScaledStack& scaled,
                           const StackGrids& grids, const AlbedoQuestion& question,

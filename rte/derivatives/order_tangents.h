@@ -1,15 +1,21 @@
-// One Fourier order of a stack without boundaries, and its derivatives by strengths of scattering,
-// optical depths and the ground: closed forms in the eigenbasis of each medium.
+// One Fourier order of a stack, and its derivatives by strengths of scattering, optical depths and
+// the ground.
+//
+// Media are changed one by one, in the light that is around them: with x the light that enters a
+// medium out of one requested direction, and x' that of another, the reflection between the two
+// changes by x^T dX x' / 2 (MediumTangents), by reciprocity. Boundaries, mirrors and other media
+// show in x alone, which is found from the top down once for all numbers.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "rte/derivatives/frozen_stack.h"
-#include "rte/fourier/eigenmodes.h"
-#include "rte/fourier/fourier_mode.h"
-#include "rte/half_space/half_space.h"
-#include "rte/layer/layer.h"
+#include "rte/derivatives/medium_tangents.h"
+#include "rte/phase/matrix_strengths.h"
+#include "rte/stack/stack_solver.h"
 
 namespace miebrdf::rte {
 
@@ -18,80 +24,91 @@ struct ScaledChange {
     std::vector<Eigen::VectorXd> strengths;  ///< of ScaledOptics::strengths, by medium
     std::vector<double> depths;              ///< of scaled optical depths; 0 of a half-space
     double ground_albedo = 0.0;
+    /// Of unscattered_return at the nodes below a rough boundary over mirrors.
+    Eigen::VectorXd unscattered = {};
+    /// Of polarised light both sides, and how far apart they are.
+    std::vector<MatrixStrengths> plus = {}, minus = {};
+    double apart = 1.0;
 };
 
-/// Derivatives of a Reflector; empty matrices: zero.
-struct ReflectorTangent {
-    Eigen::MatrixXd nodes, rows, multiple;
-    Eigen::VectorXd transmittance_at_nodes, transmittance_at_requested;
-
-    bool is_zero() const { return nodes.size() == 0; }
+/// Derivatives of a StackOrder; of light as a number or polarised light that does not couple V.
+struct OrderTangent {
+    Eigen::MatrixXd multiple;  ///< as StackOrder::multiple
+    std::vector<double> plane_albedo = {}, polarised_plane_albedo = {}, transmittance = {};
+    double spherical_albedo = 0.0;
 };
 
-/// Solves order after order. A small change dU, dV of the matrices of eigenmodes.h turns a function
-/// of the medium Z_h = F h(lambda) F^T, lambda = k^2, by F E F^T, with M = (F^T V) dU (F^T V)^T,
-/// N = F^T dV F and divided differences h[i,j] = (h_j - h_i) / (lambda_j - lambda_i)
-///     E_ij = M_ij h[i,j] + N_ij (lambda_i h_j - lambda_j h_i) / (lambda_j - lambda_i).
-/// Half-spaces: h = k; layers: h = k tanh(k tau/2), k coth(k tau/2), and the integrals of light
-/// that leaves at a requested cosine. What a layer and its base do together follows from the light
-/// at their interface: derivatives of both, seen by light from above on either side.
-class OrderTangents {
+class OrderTangents final : private StackFollower {
   public:
     /// All arguments must outlive this.
+    /// @param requested  in air
     OrderTangents(const FrozenStack& frozen, const RequestedDirections& requested,
-                  const std::vector<ScaledChange>& changes, bool transmits);
+                  const std::vector<ScaledChange>& changes, int components, bool transmits);
 
-    /// Whether a stack, and those that differ from it a little, are of this kind.
+    /// Whether both sides of a change differ by what has closed forms: not by indices.
     static bool can_solve(const FrozenStack& frozen, const ScaledStack& plus,
-                          const ScaledStack& minus);
+                          const ScaledStack& minus, int components);
+    int fourier_orders() const { return solver_.fourier_orders(); }
 
-    /// False if there is no physical solution.
+    /// Pairs of cosines. False if there is no physical solution.
     bool solve(int fourier_order);
-    const Reflector& reflector() const { return below_; }
-    const std::vector<ReflectorTangent>& tangents() const { return tangents_; }
+    /// Albedos, as StackSolver::solve_albedos.
+    bool solve_albedos(const Eigen::VectorXd& let_in, const Eigen::VectorXd& let_out);
+    const std::vector<OrderTangent>& tangents() const { return tangents_; }
 
   private:
-    struct Kernels {
-        Eigen::MatrixXd even, odd, even_rows, odd_rows;
+    /// What is kept of a StackStep for the way down.
+    struct Step {
+        StackStep::Kind kind;
+        std::size_t medium = 0;
+        Eigen::VectorXd mu = {};  ///< requested, by rows
+        Eigen::MatrixXd below_nodes = {}, below_rows = {};
+        Eigen::VectorXd below_specular = {}, emission = {};  ///< the second of a ground that emits
+        LayerOperator layer = {};
+        SmoothBoundary boundary = {};
+        Reflector white = {};  ///< of a ground
+        std::unique_ptr<MediumTangents> tangents = {};
+        Eigen::VectorXd beam = {};  ///< of each cosine, above the step
     };
-    /// M and N of a change.
-    struct Rotation {
-        Eigen::MatrixXd M, N;
-    };
-    /// Light at the interface under a layer: upward and downward radiance at its nodes for light
-    /// that enters above at each node, at each requested cosine, and for the ground's emission.
-    struct Interface {
-        Eigen::MatrixXd node_up, node_down, up, down;
-        Eigen::VectorXd ground_up, ground_down;
+    /// Changes of what beams are at last: sent back into air, and arriving at the ground.
+    struct BeamEnds {
+        Eigen::VectorXd returned, at_ground;
     };
 
-    void set_medium(std::size_t medium);
-    Kernels kernels_of(const Eigen::VectorXd& strengths) const;
-    Rotation rotation_of(const Kernels& change) const;
-    void keep_eigenmodes();
-    ReflectorTangent half_space(const Eigen::VectorXd& strengths) const;
-    Interface interface_of(const Reflector& base) const;
-    ReflectorTangent layer(const Eigen::VectorXd& strengths, double depth,
-                           const ReflectorTangent& base, const Interface& light,
-                           const Reflector& below, double tau) const;
-    Eigen::VectorXd own_strengths(const ScaledChange& change, std::size_t medium) const;
+    void follow(const StackStep& step) override;
+    bool is_changed(std::size_t medium) const;
+    StrengthChange strengths_of(const ScaledChange& change, std::size_t medium) const;
+    void finish_block(const StackStep& whole);
+    void light_from_above();
+    Eigen::MatrixXd sent_up(const Step& step, const Eigen::VectorXd& beam) const;
+    void pass_boundary(Step& step, PortFields& light) const;
+    void pass_layer(Step& step, PortFields& light);
+    void pass_rough_top(const Step& step, PortFields& light) const;
+    Eigen::MatrixXd answer_to(const ScaledChange& change, BeamEnds& ends) const;
+    void add_changed_beams(const ScaledChange& change, Eigen::MatrixXd& answer,
+                           BeamEnds& ends) const;
+    void keep_albedos(const Reflector& whole, const ScaledChange& change,
+                      const Eigen::MatrixXd& answer, const BeamEnds& ends,
+                      OrderTangent& tangent) const;
 
     const FrozenStack& frozen_;
-    const RequestedDirections& requested_;
+    const RequestedDirections& asked_;
     const std::vector<ScaledChange>& changes_;
-    bool transmits_;
-    const ZenithGrid& grid_;
+    int components_;
+    ScaledStack stack_;
+    StackMemory memory_;
+    StackSolver solver_;
     int order_ = 0;
-    FourierModes tables_;
-    const FourierMode* mode_ = nullptr;
-    FourierMedium medium_;
-    FourierWork work_;
-    LayerOperator layer_;
-    Reflector below_, above_;
-    Eigen::MatrixXd F_, V_, VF_;
-    Eigen::VectorXd k_;
-    Kernels kernels_;
-    std::vector<ReflectorTangent> tangents_;
+    const Eigen::VectorXd *let_in_ = nullptr, *let_out_ = nullptr;  ///< of albedos
+    std::vector<Step> steps_;  ///< of the block that is being solved, from the bottom up
+    const RoughTop* rough_ = nullptr;
+    LitPorts ports_;
+    Eigen::Index cosines_ = 0, lights_ = 0;
+    std::array<double, 4> unpolarised_ = {1.0, 0.0, 0.0, 0.0};  ///< FourierMode's
+    double emission_scale_ = 1.0;           ///< of radiance at nodes above the boundaries so far
+    Eigen::VectorXd ground_transmittance_;  ///< of the ground alone, at the requested cosines
+    PortFields at_bottom_;
+    std::vector<OrderTangent> tangents_;
 };
 
 }  // namespace miebrdf::rte

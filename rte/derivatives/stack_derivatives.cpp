@@ -7,6 +7,8 @@
 
 #include "rte/derivatives/frozen_stack.h"
 #include "rte/derivatives/order_tangents.h"
+#include "rte/first_order/beams.h"
+#include "rte/stack/fourier_sum.h"
 #include "rte/stack/requests.h"
 
 namespace miebrdf::rte {
@@ -40,38 +42,72 @@ std::vector<ScaledSides> sides_of(const FrozenStack& frozen, std::span<const Sta
     return sides;
 }
 
-/// Derivatives of what closed forms take; where they cannot be taken, zeros.
-struct ClosedChanges {
-    std::vector<ScaledChange> changes;
-    std::vector<char> are_possible;
+// Between media of several indices the number of nodes goes in steps.
+bool has_nodes_of(const FrozenStack& frozen, const ScaledStack& scaled) {
+    if (!scaled.refracts() || !frozen.scaled().refracts()) return true;
+    const std::vector<RefractionPanel>& panels = frozen.grids().refraction().panels();
+    const StackGrids grids = frozen.grids_of(scaled);
+    const std::vector<RefractionPanel>& others = grids.refraction().panels();
+    return std::equal(panels.begin(), panels.end(), others.begin(), others.end(),
+                      [](const RefractionPanel& a, const RefractionPanel& b) {
+                          return a.count == b.count && a.mapped == b.mapped;
+                      });
+}
 
-    bool any() const {
-        return std::find(are_possible.begin(), are_possible.end(), char(true)) !=
-               are_possible.end();
+/// What differences are taken of: both sides, or where one has other nodes than the stack, the
+/// stack itself in its place.
+struct ComparedSides {
+    const ScaledStack *plus, *minus;
+    double apart;
+
+    ComparedSides(const FrozenStack& frozen, const ScaledSides& sides, double both_apart)
+        : plus(&sides.plus), minus(&sides.minus), apart(both_apart) {
+        const bool plus_fits = has_nodes_of(frozen, sides.plus),
+                   minus_fits = has_nodes_of(frozen, sides.minus);
+        if (plus_fits == minus_fits) return;
+        (plus_fits ? minus : plus) = &frozen.scaled();
+        apart *= 0.5;
     }
 };
 
+/// Derivatives of what closed forms take, where they can be taken.
+struct ClosedChanges {
+    std::vector<ScaledChange> changes;
+    std::vector<char> are_possible;
+};
+
 ClosedChanges closed_changes(const FrozenStack& frozen, std::span<const StackChange> changes,
-                             const std::vector<ScaledSides>& sides) {
-    const std::vector<ScaledMedium>& media = frozen.scaled().media;
+                             const std::vector<ScaledSides>& sides, int components) {
+    const ScaledStack& middle = frozen.scaled();
+    const std::vector<ScaledMedium>& media = middle.media;
+    const bool is_rough = middle.boundary && middle.boundary->is_rough();
     ClosedChanges closed;
     for (std::size_t c = 0; c < changes.size(); ++c) {
         const auto& [plus, minus] = sides[c];
         const double apart = changes[c].apart;
-        const bool is_possible = OrderTangents::can_solve(frozen, plus, minus);
+        const bool is_possible = OrderTangents::can_solve(frozen, plus, minus, components);
         closed.are_possible.push_back(char(is_possible));
+        if (!is_possible) continue;
         ScaledChange& change = closed.changes.emplace_back();
-        change.depths.assign(media.size(), 0.0);
+        change.apart = apart;
         for (std::size_t k = 0; k < media.size(); ++k) {
-            Eigen::VectorXd& strengths = change.strengths.emplace_back();
-            strengths.setZero(media[k].scaled.chi.size());
-            if (!is_possible) continue;
             const ScaledMedium &a = plus.media[k], &b = minus.media[k];
-            strengths = (a.scaled.strengths() - b.scaled.strengths()) / apart;
-            if (std::isfinite(media[k].scaled_optical_depth))
-                change.depths[k] = (a.scaled_optical_depth - b.scaled_optical_depth) / apart;
+            change.strengths.push_back((a.scaled.strengths() - b.scaled.strengths()) / apart);
+            const bool has_depth = std::isfinite(media[k].scaled_optical_depth);
+            change.depths.push_back(
+                has_depth ? (a.scaled_optical_depth - b.scaled_optical_depth) / apart : 0.0);
+            if (components == 1) continue;
+            change.plus.push_back(matrix_strengths(a));
+            change.minus.push_back(matrix_strengths(b));
         }
-        if (is_possible) change.ground_albedo = (plus.ground_albedo - minus.ground_albedo) / apart;
+        change.ground_albedo = (plus.ground_albedo - minus.ground_albedo) / apart;
+        if (!is_rough || !middle.has_mirrors()) continue;
+        change.unscattered =
+            frozen.grids()
+                .of(middle.top_index)
+                .mu.unaryExpr([&, &plus = plus, &minus = minus](double mu) {
+                    return (unscattered_return(plus, mu) - unscattered_return(minus, mu)) / apart;
+                });
     }
     return closed;
 }
@@ -88,7 +124,7 @@ struct FrozenChanges {
         : changes(completed(asked, components)),
           frozen(completed(stack, components), changes, options, solved),
           sides(sides_of(frozen, changes)),
-          closed(closed_changes(frozen, changes, sides)) {}
+          closed(closed_changes(frozen, changes, sides, components)) {}
 
   private:
     static Stack completed(const Stack& stack, int components) {
@@ -104,30 +140,42 @@ struct FrozenChanges {
     }
 };
 
-/// Slopes of light scattered more than once, [change][(in * outs + out) * azimuths + azimuth];
-/// empty if there is no physical solution.
+/// Slopes of light scattered more than once, by closed change [pair][element][azimuth]; empty if
+/// there is no physical solution.
 std::vector<std::vector<double>> multiple_slopes(const FrozenStack& frozen,
                                                  const std::vector<ScaledChange>& changes,
-                                                 const Directions& directions) {
+                                                 const Directions& directions,
+                                                 const SolvedLight& light) {
     const RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
-    const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
+    const std::size_t azimuths = directions.azimuth_deg.size();
+    const int shown = light.shown(), solved = light.components;
     std::vector<std::vector<double>> sums(
-        changes.size(), std::vector<double>(directions.mu_in.size() * outs * azimuths, 0.0));
-    OrderTangents order(frozen, requested, changes, false);
-    const int orders = only_fourier_order_zero(requested) ? 1 : frozen.fourier_orders();
-    for (int m = 0; m < std::min(orders, frozen.scaled().moments); ++m) {
-        if (m > 0 && fourier_order_vanishes(m, directions.azimuth_deg)) continue;
+        changes.size(), std::vector<double>(directions.mu_in.size() * directions.mu_out.size() *
+                                                azimuths * std::size_t(shown * shown),
+                                            0.0));
+    OrderTangents order(frozen, requested, changes, solved, false);
+    const int highest = std::min(frozen.fourier_orders(),
+                                 highest_fourier_order(requested, order.fourier_orders(), light));
+    for (int m = 0; m < highest; ++m) {
+        if (m > 0 && shown == 1 && fourier_order_vanishes(m, directions.azimuth_deg)) continue;
         if (!order.solve(m)) return {};
+        std::vector<double> cosines, sines;
+        for (const double azimuth : directions.azimuth_deg) {
+            const double angle = m * azimuth * (std::numbers::pi / 180.0);
+            cosines.push_back((m == 0 ? 1.0 : 2.0) * std::cos(angle));
+            sines.push_back((m == 0 ? 1.0 : 2.0) * std::sin(angle));
+        }
         for (std::size_t c = 0; c < changes.size(); ++c) {
-            const ReflectorTangent& tangent = order.tangents()[c];
-            if (tangent.is_zero()) continue;
-            for (std::size_t a = 0; a < azimuths; ++a) {
-                const double wave = (m == 0 ? 1.0 : 2.0) * std::cos(m * directions.azimuth_deg[a] *
-                                                                    (std::numbers::pi / 180.0));
-                for (std::size_t i = 0; i < directions.mu_in.size(); ++i) {
-                    for (std::size_t o = 0; o < outs; ++o) {
-                        sums[c][(i * outs + o) * azimuths + a] +=
-                            wave * tangent.multiple(Eigen::Index(o), Eigen::Index(i));
+            const Eigen::MatrixXd& multiple = order.tangents()[c].multiple;
+            double* sum = sums[c].data();
+            for (Eigen::Index i = 0; i < multiple.cols(); i += solved) {
+                for (Eigen::Index o = 0; o < multiple.rows(); o += solved) {
+                    for (int element = 0; element < shown * shown; ++element) {
+                        const int row = element / shown, column = element % shown;
+                        const StokesHarmonic harmonic = stokes_harmonic(row, column);
+                        const double value = harmonic.sign * multiple(o + row, i + column);
+                        const std::vector<double>& waves = harmonic.is_sine ? sines : cosines;
+                        for (const double wave : waves) *sum++ += value * wave;
                     }
                 }
             }
@@ -154,28 +202,28 @@ std::vector<ReflectionTable> reflection_derivatives(
     const std::vector<ScaledSides>& sides = known.sides;
     const ClosedChanges& closed = known.closed;
     std::vector<std::vector<double>> multiple;
-    if (light.components == 1 && closed.any())
-        multiple = multiple_slopes(frozen, closed.changes, directions);
-    const auto is_closed = [&](std::size_t c) {
-        return !multiple.empty() && closed.are_possible[c];
-    };
-    const auto at = [&](const ScaledStack& scaled, std::size_t c) {
-        std::vector<double> values;
-        if (is_closed(c)) {
-            values = frozen_first_order(frozen, scaled, directions);
-        } else {
-            values = frozen_reflection(frozen, scaled, frozen.grids_of(scaled), directions, light);
-        }
-        return elements_last(std::move(values), std::size_t(light.shown() * light.shown()),
-                             directions.azimuth_deg.size());
+    if (!closed.changes.empty())
+        multiple = multiple_slopes(frozen, closed.changes, directions, light);
+    const auto at = [&](const ScaledStack& scaled, bool is_closed) {
+        if (is_closed) return frozen_first_order(frozen, scaled, directions, light);
+        return frozen_reflection(frozen, scaled, frozen.grids_of(scaled), directions, light);
     };
     std::vector<ReflectionTable> tables;
+    auto more = multiple.begin();
     for (std::size_t c = 0; c < changes.size(); ++c) {
         ReflectionTable& table = tables.emplace_back();
         table.components = light.shown();
-        table.reflection = slope(at(sides[c].plus, c), at(sides[c].minus, c), changes[c].apart);
-        for (std::size_t k = 0; is_closed(c) && k < table.reflection.size(); ++k)
-            table.reflection[k] += multiple[c][k];
+        const bool is_closed = more != multiple.end() && closed.are_possible[c];
+        const ComparedSides compared(frozen, sides[c], changes[c].apart);
+        std::vector<double> whole =
+            slope(at(*compared.plus, is_closed), at(*compared.minus, is_closed), compared.apart);
+        if (is_closed) {
+            for (std::size_t k = 0; k < whole.size(); ++k) whole[k] += (*more)[k];
+            ++more;
+        }
+        table.reflection =
+            elements_last(std::move(whole), std::size_t(light.shown() * light.shown()),
+                          directions.azimuth_deg.size());
         table.mirror_reflectance = mirror_slope(changes[c], directions.mu_in, light);
     }
     return tables;
@@ -183,41 +231,28 @@ std::vector<ReflectionTable> reflection_derivatives(
 
 namespace {
 
-/// With the weights of the surface as they are.
-std::vector<AlbedoTable> albedo_slopes(const FrozenStack& frozen,
-                                       const std::vector<ScaledChange>& changes,
-                                       const AlbedoQuestion& question) {
-    const RequestedDirections requested = collect(question.mu_in, {});
-    OrderTangents order(frozen, requested, changes, question.transmits);
-    std::vector<AlbedoTable> tables;
-    if (!order.solve(0)) return tables;
-    const Eigen::VectorXd D = flux_weights(frozen.grids().top());
-    const double ground = frozen.scaled().ground_albedo;
-    for (std::size_t c = 0; c < changes.size(); ++c) {
-        AlbedoTable& table = tables.emplace_back();
-        const ReflectorTangent& tangent = order.tangents()[c];
-        const std::size_t count = question.mu_in.size();
-        table.plane_albedo.assign(count, 0.0);
-        if (question.transmits) table.transmittance.assign(count + 1, 0.0);
-        if (tangent.is_zero()) continue;
-        const Eigen::VectorXd plane = tangent.rows * D;
-        for (std::size_t i = 0; i < count; ++i) table.plane_albedo[i] = plane[requested.in[i]];
-        table.spherical_albedo = D.dot(tangent.nodes * D) / D.squaredNorm();
-        if (!question.transmits) continue;
-        const Reflector& whole = order.reflector();
-        const double absorbed = 1.0 - ground, less = changes[c].ground_albedo;
-        const auto of = [&](double slope, double value) { return absorbed * slope - less * value; };
-        const bool has_slope = tangent.transmittance_at_nodes.size() > 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const int in = requested.in[i];
-            table.transmittance[i] = of(has_slope ? tangent.transmittance_at_requested[in] : 0.0,
-                                        whole.transmittance_at_requested[in]);
+/// Both weights of the surface at the nodes, times what they are of uniform light.
+struct LetThrough {
+    Eigen::VectorXd in, out;
+
+    LetThrough(const ZenithGrid& grid, const std::function<SurfaceWeights(double mu)>& surface)
+        : in(flux_weights(grid)), out(in) {
+        for (Eigen::Index q = 0; surface && q < grid.size(); ++q) {
+            const SurfaceWeights weights = surface(grid.mu[q]);
+            in[q] *= weights.in;
+            out[q] *= weights.out;
         }
-        table.transmittance.back() = of(has_slope ? D.dot(tangent.transmittance_at_nodes) : 0.0,
-                                        D.dot(whole.transmittance_at_nodes)) /
-                                     D.squaredNorm();
     }
-    return tables;
+};
+
+void add_to(AlbedoTable& table, const AlbedoTable& more) {
+    const auto add = [](std::vector<double>& list, const std::vector<double>& other) {
+        for (std::size_t k = 0; k < list.size(); ++k) list[k] += other[k];
+    };
+    add(table.plane_albedo, more.plane_albedo);
+    add(table.polarised_plane_albedo, more.polarised_plane_albedo);
+    add(table.transmittance, more.transmittance);
+    table.spherical_albedo += more.spherical_albedo;
 }
 
 }  // namespace
@@ -233,28 +268,48 @@ std::vector<AlbedoTable> albedo_derivatives(const Stack& asked,
     const FrozenStack& frozen = known.frozen;
     const std::vector<ScaledSides>& sides = known.sides;
     const ClosedChanges& closed = known.closed;
-    std::vector<AlbedoTable> closed_tables;
-    if (question.components == 1 && !surface && closed.any())
-        closed_tables = albedo_slopes(frozen, closed.changes, question);
-    std::vector<AlbedoTable> tables;
-    for (std::size_t c = 0; c < changes.size(); ++c) {
-        if (!closed_tables.empty() && closed.are_possible[c]) {
-            tables.push_back(std::move(closed_tables[c]));
-            continue;
-        }
-        const StackChange& change = changes[c];
-        const auto at = [&](const ScaledStack& scaled,
-                            const std::function<SurfaceWeights(double mu)>& weights) {
-            return frozen_albedo(frozen, scaled, frozen.grids_of(scaled), question, weights);
-        };
-        const AlbedoTable plus = at(sides[c].plus, change.surface_plus);
-        const AlbedoTable minus = at(sides[c].minus, change.surface_minus);
-        AlbedoTable& table = tables.emplace_back();
-        table.plane_albedo = slope(plus.plane_albedo, minus.plane_albedo, change.apart);
+    const RequestedDirections requested = collect(question.mu_in, {});
+    OrderTangents order(frozen, requested, closed.changes, question.components, question.transmits);
+    const LetThrough let(frozen.grids().top(), surface);
+    const bool is_solved = !closed.changes.empty() && order.solve_albedos(let.in, let.out);
+    const auto at = [&](const ScaledStack& scaled,
+                        const std::function<SurfaceWeights(double mu)>& weights) {
+        return frozen_albedo(frozen, scaled, frozen.grids_of(scaled), question, weights);
+    };
+    const auto difference = [&](const AlbedoTable& plus, const AlbedoTable& minus, double apart) {
+        AlbedoTable table;
+        table.plane_albedo = slope(plus.plane_albedo, minus.plane_albedo, apart);
         table.polarised_plane_albedo =
-            slope(plus.polarised_plane_albedo, minus.polarised_plane_albedo, change.apart);
-        table.spherical_albedo = (plus.spherical_albedo - minus.spherical_albedo) / change.apart;
-        table.transmittance = slope(plus.transmittance, minus.transmittance, change.apart);
+            slope(plus.polarised_plane_albedo, minus.polarised_plane_albedo, apart);
+        table.spherical_albedo = (plus.spherical_albedo - minus.spherical_albedo) / apart;
+        table.transmittance = slope(plus.transmittance, minus.transmittance, apart);
+        return table;
+    };
+    std::vector<AlbedoTable> tables;
+    auto tangent = order.tangents().begin();
+    for (std::size_t c = 0; c < changes.size(); ++c) {
+        const StackChange& change = changes[c];
+        AlbedoTable& table = tables.emplace_back();
+        if (!is_solved || !closed.are_possible[c]) {
+            const auto of = [&](const std::function<SurfaceWeights(double mu)>& changed)
+                -> const std::function<SurfaceWeights(double mu)>& {
+                return changed ? changed : surface;
+            };
+            const ComparedSides compared(frozen, sides[c], change.apart);
+            table = difference(at(*compared.plus, of(change.surface_plus)),
+                               at(*compared.minus, of(change.surface_minus)), compared.apart);
+        } else {
+            table.plane_albedo = tangent->plane_albedo;
+            table.polarised_plane_albedo = tangent->polarised_plane_albedo;
+            table.spherical_albedo = tangent->spherical_albedo;
+            table.transmittance = tangent->transmittance;
+            ++tangent;
+            // Another surface sees the same layers.
+            if (change.surface_plus) {
+                add_to(table, difference(at(frozen.scaled(), change.surface_plus),
+                                         at(frozen.scaled(), change.surface_minus), change.apart));
+            }
+        }
         table.mirror_reflectance =
             mirror_slope(change, question.mu_in, {question.components, true});
     }

@@ -15,7 +15,7 @@ namespace miebrdf::rte {
 struct StackChange {
     Stack plus, minus;
     double apart = 0.0;  ///< the difference of the two numbers
-    /// The surface above the layers, for albedos, as of `albedo`.
+    /// The surface above the layers, for albedos, as of `albedo`; empty: that of the stack.
     std::function<SurfaceWeights(double mu)> surface_plus = {}, surface_minus = {};
 };
 

@@ -130,6 +130,7 @@ struct FourierWork {
     Eigen::MatrixXd reflected_out, reflected_in, scattered_out, scattered_in;
     /// Largest 4 (mu + mu') |R| between nodes of the half-space solved last.
     double brightness = 0.0;
+    bool is_swept = false;  ///< that half-space: by the fixed point, without eigenmodes
     Eigen::PartialPivLU<Eigen::MatrixXd> bounces;
 };
 

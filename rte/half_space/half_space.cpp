@@ -293,6 +293,7 @@ void solve_half_space(HalfSpaceMethod method, const FourierMedium& medium, const
             few_sweeps_suffice(ratio,
                                single_scattering > 0.0 ? accuracy / single_scattering : 1.0) &&
             sweep_half_space(requested, accuracy, ratio, single_scattering, work, result);
+        work.is_swept = result.physical;
         if (result.physical) {
             work.brightness = largest_bounded(work.square, work);
         } else {

@@ -321,13 +321,13 @@ const Eigen::MatrixXd& shown_part(const StackOrder& order, const SolvedLight& li
     return intensity;
 }
 
-// At mu = 1 Y_l^m vanishes but for m = 0, of Stokes vectors d^l_m2 but for m = 2.
-int highest_order(const RequestedDirections& requested, int moments, const SolvedLight& light) {
+}  // namespace
+
+int highest_fourier_order(const RequestedDirections& requested, int moments,
+                          const SolvedLight& light) {
     if (!only_fourier_order_zero(requested)) return moments;
     return light.components == 1 ? 1 : std::min(3, moments);
 }
-
-}  // namespace
 
 StokesHarmonic stokes_harmonic(int row, int column) {
     const bool is_diagonal = (row < 2) == (column < 2);
@@ -348,7 +348,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
                       rows.in.size() * rows.out.size() <= kMostKeptPairs;
 
     StackSolver solver(stack, grids, requested, light.components, options, memory);
-    const int all_orders = highest_order(requested, solver.fourier_orders(), light);
+    const int all_orders = highest_fourier_order(requested, solver.fourier_orders(), light);
     const int highest = exactly > 0 ? std::min(exactly, all_orders) : all_orders;
     FourierTail tail(tail_tolerance, solver.has_boundary_orders());
     FourierSizes sizes(c);

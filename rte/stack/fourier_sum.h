@@ -179,6 +179,11 @@ enum class KeptOrders {
     asked_for,  ///< all of them, at the directions asked for: what a table is made of
 };
 
+/// How many Fourier orders of `orders` directions can see: at mu = 1 Y_l^m vanishes but for m = 0,
+/// of Stokes vectors d^l_m2 but for m = 2.
+int highest_fourier_order(const RequestedDirections& requested, int orders,
+                          const SolvedLight& light);
+
 /// R^0 + 2 sum_m R^m cos(m azimuth) without the first order of scattering, of Stokes vectors with
 /// the harmonics of each element.
 ///

@@ -175,7 +175,12 @@ void StackSolver::solve_block(const StokesBlock& block, const Eigen::VectorXd* l
         reflector_->sky_at_nodes.noalias() = reflector_->nodes * memory_.sky;
     }
     if (has_energy) keep_albedos();
+    tell({.kind = StackStep::Kind::whole, .result = reflector_});
     keep_pairs();
+}
+
+void StackSolver::tell(StackStep step) const {
+    if (follower_ != nullptr && step.result->physical) follower_->follow(step);
 }
 
 // A sky looks down with what light from there counts on its way out: reciprocity.
@@ -230,12 +235,14 @@ const RequestedDirections& StackSolver::requested_in(double index) const {
 // The solvers answer with upward light for downward light whose U and V have the opposite sign:
 // R = X D4.
 void StackSolver::keep_pairs() {
-    Eigen::MatrixXd& all = memory_.order.multiple;
-    const Eigen::MatrixXd& solved = reflector_->multiple;
     if (components_ == 1) {
-        all.swap(reflector_->multiple);
-        return;
+        memory_.order.multiple.swap(reflector_->multiple);
+    } else {
+        spread_block(reflector_->multiple, memory_.order.multiple);
     }
+}
+
+void StackSolver::spread_block(const Eigen::MatrixXd& solved, Eigen::MatrixXd& all) const {
     const auto c = Eigen::Index(block_->size());
     const Eigen::Index out = solved.rows() / c, in = solved.cols() / c;
     const bool turns = has_fresnel_ && block_->front() == StokesComponent::I;

@@ -76,6 +76,35 @@ struct StackMemory {
     StackOrder order = {};
 };
 
+/// What StackSolver has just solved; all of it is valid during the call.
+struct StackStep {
+    /// `mirrors`: of an order in which nothing is scattered; `whole`: the block is complete.
+    enum class Kind { half_space, ground, mirrors, layer, boundary, rough_top, whole };
+    Kind kind;
+    const Reflector* result;
+    const Reflector* below = nullptr;           ///< what it was put on
+    std::size_t medium = 0;                     ///< of a half-space or layer
+    const FourierMode* mode = nullptr;          ///< of these and the ground
+    const FourierMedium* scattering = nullptr;  ///< of a half-space or layer
+    const ZenithGrid* grid = nullptr;           ///< by rows, of the medium
+    const RequestedDirections* requested =
+        nullptr;  ///< likewise; of boundaries in the medium below
+    const LayerOperator* layer = nullptr;
+    const SmoothBoundary* boundary = nullptr;
+    const RoughTop* rough = nullptr;
+    EigenmodeSolver* eigenmodes = nullptr;  ///< of a half-space or layer
+    bool has_eigenmodes = true;             ///< false: they have not been found
+};
+
+/// Sees the steps from the bottom up.
+class StackFollower {
+  public:
+    virtual void follow(const StackStep& step) = 0;
+
+  protected:
+    ~StackFollower() = default;
+};
+
 /// Solves the base and puts the coats and boundaries on it. Light as a number is the block
 /// of one row; of Stokes vectors a Fourier order falls into blocks of components that do not mix
 /// (stokes_blocks), and the same solvers take rows of these. Not thread-safe.
@@ -104,6 +133,12 @@ class StackSolver {
     /// @param let_in, let_out  at the nodes of StackGrids::top, times flux_weights
     const StackOrder& solve_albedos(const Eigen::VectorXd& let_in, const Eigen::VectorXd& let_out);
 
+    /// Light as a number, or blocks that do not couple V: all is symmetric, and steps can be seen.
+    void let_follow(StackFollower& follower) { follower_ = &follower; }
+    /// StackOrder::multiple from that of the block which is being solved.
+    void spread_block(const Eigen::MatrixXd& solved, Eigen::MatrixXd& all) const;
+    const StokesBlock& block() const { return *block_; }
+
   private:
     /// Nodes and requested cosines of a medium, by the rows of a node.
     struct Rows {
@@ -126,6 +161,8 @@ class StackSolver {
     /// After set_medium.
     void solve_as_half_space(HalfSpaceMethod method, std::size_t medium);
     void solve_ground();
+    void find_ground_emission(const FourierMode& mode, const ZenithGrid& grid,
+                              const RequestedDirections& requested, Reflector& ground) const;
     void put_on_coat(std::size_t medium, ReflectorParts parts);
     void put_on_boundary(double below, double above, ReflectorParts parts);
     /// The boundary to air.
@@ -135,6 +172,7 @@ class StackSolver {
     /// Degrees that a medium has no moments for scatter nothing.
     void set_medium(std::size_t medium);
     void keep_pairs();
+    void tell(StackStep step) const;
     void keep_albedos();
     /// Every method is the default: the paper's treat each coat and base as it is.
     bool may_leave_out_layers() const;
@@ -172,6 +210,7 @@ class StackSolver {
     int fourier_order_ = 0;
     const StokesBlock* block_ = nullptr;  ///< that is being solved
     Reflector* reflector_ = nullptr;      ///< of all that has been solved so far in this order
+    StackFollower* follower_ = nullptr;
 };
 
 }  // namespace miebrdf::rte

@@ -16,6 +16,11 @@ void StackSolver::put_on_top(ReflectorParts parts) {
     }
     Reflector& result = free_reflector(1.0);
     rough_top_->put_on(fourier_order_, *reflector_, parts, result);
+    tell({.kind = StackStep::Kind::rough_top,
+          .result = &result,
+          .below = reflector_,
+          .requested = &asked_,
+          .rough = rough_top_.get()});
     reflector_ = &result;
 }
 
@@ -43,9 +48,18 @@ const SmoothBoundary& StackSolver::boundary_between(double below, double above) 
 
 void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts) {
     Reflector& result = free_reflector(above);
+    const auto tell_of = [&](const SmoothBoundary& boundary) {
+        tell({.kind = StackStep::Kind::boundary,
+              .result = &result,
+              .below = reflector_,
+              .requested = &requested_in(below),
+              .boundary = &boundary});
+    };
     if (components_ == 1) {
-        put_boundary_on(boundary_between(below, above), *reflector_, requested_in(below), parts,
-                        memory_.sky, memory_.work, result);
+        const SmoothBoundary& boundary = boundary_between(below, above);
+        put_boundary_on(boundary, *reflector_, requested_in(below), parts, memory_.sky,
+                        memory_.work, result);
+        tell_of(boundary);
     } else {
         const FresnelReflections matrices(below, above, nodes_of(below), nodes_of(above),
                                           cosines_in(below));
@@ -53,8 +67,10 @@ void StackSolver::put_on_boundary(double below, double above, ReflectorParts par
             put_boundary_on_coupled(matrices, *block_, requested_in(below), parts, *reflector_,
                                     result);
         } else {
-            put_boundary_on(polarised_boundary(matrices, *block_), *reflector_, requested_in(below),
-                            parts, memory_.sky, memory_.work, result);
+            const SmoothBoundary boundary = polarised_boundary(matrices, *block_);
+            put_boundary_on(boundary, *reflector_, requested_in(below), parts, memory_.sky,
+                            memory_.work, result);
+            tell_of(boundary);
         }
     }
     reflector_ = &result;
@@ -108,6 +124,7 @@ std::size_t StackSolver::solve_mirrors() {
     mirrors.nodes = unscattered_.asDiagonal();
     mirrors.physical = true;
     reflector_ = &mirrors;
+    tell({.kind = StackStep::Kind::mirrors, .result = &mirrors});
     return stack_.media.size();
 }
 
@@ -134,6 +151,15 @@ void StackSolver::solve_as_half_space(HalfSpaceMethod method, std::size_t medium
                      memory_.work, *reflector_);
     if (fourier_order_ == 0 && block_->front() == StokesComponent::I)
         memory_.brightness[medium] = memory_.work.brightness;
+    tell({.kind = StackStep::Kind::half_space,
+          .result = reflector_,
+          .medium = medium,
+          .mode = &mode_of(n),
+          .scattering = &memory_.medium,
+          .grid = &grid_of(n),
+          .requested = &requested_in(n),
+          .eigenmodes = &memory_.work.eigenmode_solver,
+          .has_eigenmodes = !memory_.work.is_swept});
 }
 
 Eigen::VectorXd StackSolver::mirror_at(double index, const Eigen::VectorXd& mu) const {
@@ -164,7 +190,17 @@ void StackSolver::solve_ground() {
         no_reflection(grid, requested, ground);
     }
     ground.has_transmittance = stack_.transmits;
-    if (!stack_.transmits) return;
+    if (stack_.transmits) find_ground_emission(mode, grid, requested, ground);
+    tell({.kind = StackStep::Kind::ground,
+          .result = &ground,
+          .mode = &mode,
+          .grid = &grid,
+          .requested = &requested});
+}
+
+void StackSolver::find_ground_emission(const FourierMode& mode, const ZenithGrid& grid,
+                                       const RequestedDirections& requested,
+                                       Reflector& ground) const {
     ground.transmittance_at_nodes = (grid.weights.array() * grid.mu.array()).sqrt();
     mode.keep_intensity(ground.transmittance_at_nodes);
     ground.transmittance_at_requested.setOnes(requested.mu.size());
@@ -209,6 +245,16 @@ void StackSolver::put_on_coat(std::size_t medium, ReflectorParts parts) {
         put_on_coupled(layer, *reflector_, requested, int(block_->size()), parts, result);
     } else {
         put_on(layer, *reflector_, requested, parts, memory_.sky, memory_.work, result);
+        tell({.kind = StackStep::Kind::layer,
+              .result = &result,
+              .below = reflector_,
+              .medium = medium,
+              .mode = &mode,
+              .scattering = &memory_.medium,
+              .grid = &grid_of(n),
+              .requested = &requested,
+              .layer = &layer,
+              .eigenmodes = &memory_.work.eigenmode_solver});
     }
     reflector_ = &result;
 }

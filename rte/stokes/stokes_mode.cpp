@@ -187,6 +187,44 @@ void make_stokes_tables(int fourier_order, int degrees, const ZenithGrid& grid,
     fill_linear(fourier_order, degrees, requested.mu, tables.requested);
 }
 
+StrengthChange block_change(int fourier_order, int degrees, const StokesBlock& block,
+                            const MatrixStrengths& middle, const MatrixStrengths& plus,
+                            const MatrixStrengths& minus) {
+    const Columns columns = list_columns(fourier_order, degrees, block, middle);
+    const std::size_t pairs = std::max({std::size_t(1), columns.even.size(), columns.odd.size()});
+    StrengthChange change;
+    change.own.setZero(Eigen::Index(2 * pairs));
+    change.beside.setZero(Eigen::Index(2 * pairs));
+    // [[a1, b1], [b1, a2]] between two columns.
+    const auto linear = [](const MatrixStrengths& of, const Column& a, const Column& b) {
+        const double c = of.cosine[a.degree], s = of.sine[a.degree];
+        const auto along = [&](const Column& one) { return c * one.along_I + s * one.along_Q; };
+        const auto across = [&](const Column& one) { return c * one.along_Q - s * one.along_I; };
+        return of.first[a.degree] * along(a) * along(b) +
+               of.second[a.degree] * across(a) * across(b);
+    };
+    const auto strength = [&](const MatrixStrengths& of, const Column& one) {
+        if (one.along_U != 0.0) return of.a3[one.degree];
+        if (one.along_V != 0.0) return of.a4[one.degree];
+        return linear(of, one, one);
+    };
+    const auto is_linear = [](const Column& one) {
+        return one.along_I != 0.0 || one.along_Q != 0.0;
+    };
+    for (const bool is_even : {true, false}) {
+        const std::vector<Column>& list = is_even ? columns.even : columns.odd;
+        for (std::size_t k = 0; k < list.size(); ++k) {
+            const Eigen::Index column = Eigen::Index(2 * k) + (is_even ? 0 : 1);
+            change.own[column] = strength(plus, list[k]) - strength(minus, list[k]);
+            if (k + 1 == list.size() || list[k + 1].degree != list[k].degree) continue;
+            if (!is_linear(list[k]) || !is_linear(list[k + 1])) continue;
+            change.beside[column] =
+                linear(plus, list[k], list[k + 1]) - linear(minus, list[k], list[k + 1]);
+        }
+    }
+    return change;
+}
+
 void make_block_mode(const StokesTables& tables, const StokesBlock& block,
                      const MatrixStrengths& medium, const ZenithGrid& grid,
                      const RequestedDirections& requested, FourierMode& mode,

@@ -54,4 +54,21 @@ void make_block_mode(const StokesTables& tables, const StokesBlock& block,
                      const RequestedDirections& requested, FourierMode& mode,
                      FourierMedium& fourier_medium);
 
+/// A change of the strengths of a mode's columns: of each, and of the pairs that a column and the
+/// next of its parity make, where polarised light turns their axes (empty: nowhere).
+struct StrengthChange {
+    Eigen::VectorXd own, beside = {};
+
+    bool is_zero() const {
+        return (own.size() == 0 || own.cwiseAbs().maxCoeff() == 0.0) &&
+               (beside.size() == 0 || beside.cwiseAbs().maxCoeff() == 0.0);
+    }
+};
+
+/// plus - minus in the columns that make_block_mode gives `middle`.
+/// @param degrees  L
+StrengthChange block_change(int fourier_order, int degrees, const StokesBlock& block,
+                            const MatrixStrengths& middle, const MatrixStrengths& plus,
+                            const MatrixStrengths& minus);
+
 }  // namespace miebrdf::rte

@@ -61,6 +61,35 @@ TEST_CASE("averages differ as those that choose their own radii", "[derivatives]
         agrees(difference.chi[l], plus.chi[l] - minus.chi[l], scale);
 }
 
+TEST_CASE("large spheres of many sizes differ as their rays do", "[derivatives][mie]") {
+    // Averages of 1e-3 are over rays, those of 1e-7 over thousands of spheres.
+    const int number = GENERATE(0, 1, 2, 3);
+    const auto at = [&](double change, double tolerance) {
+        const auto times = [&](int which) { return number == which ? 1 + change : 1; };
+        auto request =
+            spheres("log-normal", 20 * times(0), 0.2 * times(1), 1.31 * times(2), 1e-4 * times(3));
+        request.wavelength_nm = 1000;
+        request.tolerance = tolerance;
+        return request;
+    };
+    const auto difference = mie::difference_of_averages(
+        at(0, 1e-3), at(1e-5, 1e-3), at(-1e-5, 1e-3),
+        {.highest_moment = 12, .phase_table = nullptr}, mie::run_in_order);
+    constexpr double step = 2e-2;
+    const auto plus = mie::average_over_sizes(at(step, 1e-7)),
+               minus = mie::average_over_sizes(at(-step, 1e-7));
+    CAPTURE(number);
+    // Rays err by their bound, 1e-3, and truth by the third order of its step.
+    const auto agrees = [&](double small, double plus_side, double minus_side) {
+        const double slope = small / 2e-5, truth = (plus_side - minus_side) / (2 * step);
+        CAPTURE(slope, truth);
+        CHECK(std::abs(slope - truth) <= 1e-3);
+    };
+    agrees(difference.one_minus_albedo, plus.one_minus_albedo, minus.one_minus_albedo);
+    agrees(difference.q_ext, plus.q_ext, minus.q_ext);
+    for (std::size_t l = 0; l <= 12; ++l) agrees(difference.chi[l], plus.chi[l], minus.chi[l]);
+}
+
 TEST_CASE("scenes of spheres have derivatives by radius, variance, n and k", "[derivatives][mie]") {
     Scene scene;
     say(scene, "substrate", {"lambert:0.2"});

@@ -52,6 +52,25 @@ py::dict facts_of(const ResultReport& report) {
     return facts;
 }
 
+py::dict columns_of(const AlbedoValues& values, std::size_t cosines) {
+    const auto table = [&](const std::vector<Numbers>& rows) -> py::object {
+        if (rows.empty()) return py::none();
+        Numbers all;
+        for (const Numbers& row : rows) all.insert(all.end(), row.begin(), row.end());
+        return array_of(std::move(all),
+                        {static_cast<py::ssize_t>(rows.size()), static_cast<py::ssize_t>(cosines)});
+    };
+    py::dict columns;
+    columns["plane_albedo"] = table(values.plane_albedo);
+    columns["spherical_albedo"] = array_of(values.spherical_albedo);
+    columns["plane_transmittance"] = table(values.plane_transmittance);
+    columns["spherical_transmittance"] = values.spherical_transmittance.empty()
+                                             ? py::object(py::none())
+                                             : array_of(values.spherical_transmittance);
+    columns["mirror_reflectance"] = table(values.mirror_reflectance);
+    return columns;
+}
+
 /// A scene at some wavelengths. Each call has threads, progress and cancellation of its own; what
 /// single scattering they find is kept in the memo.
 class SolvedScene {
@@ -115,22 +134,46 @@ class SolvedScene {
     py::tuple albedo(const Numbers& mu_in, const CallOptions& options) const {
         LongCall call(options);
         const AlbedoValues values = call.run([&] { return brdf(call.control()).albedo(mu_in); });
-        const auto table = [&](const std::vector<Numbers>& rows) -> py::object {
-            if (rows.empty()) return py::none();
-            Numbers all;
-            for (const Numbers& row : rows) all.insert(all.end(), row.begin(), row.end());
-            return array_of(std::move(all), {static_cast<py::ssize_t>(rows.size()),
-                                             static_cast<py::ssize_t>(mu_in.size())});
-        };
-        py::dict columns;
-        columns["plane_albedo"] = table(values.plane_albedo);
-        columns["spherical_albedo"] = array_of(values.spherical_albedo);
-        columns["plane_transmittance"] = table(values.plane_transmittance);
-        columns["spherical_transmittance"] = values.spherical_transmittance.empty()
-                                                 ? py::object(py::none())
-                                                 : array_of(values.spherical_transmittance);
-        columns["mirror_reflectance"] = table(values.mirror_reflectance);
-        return py::make_tuple(columns, facts_of(values));
+        return py::make_tuple(columns_of(values, mu_in.size()), facts_of(values));
+    }
+
+    /// @returns  (array, report) as evaluate, of the derivatives by the first parameter, the
+    /// second,
+    ///           ...: the first axis is (parameters x wavelengths)
+    py::tuple evaluate_derivatives(const std::vector<std::string>& parameters, const Numbers& mu_in,
+                                   const Numbers& mu_out, const Numbers& azimuth_deg,
+                                   const std::string& part_name, const CallOptions& options) const {
+        const BrdfPart part = parse_brdf_part(part_name);
+        LongCall call(options);
+        const auto all = call.run([&] {
+            const BrdfParts parts{part == BrdfPart::subsurface, part == BrdfPart::surface,
+                                  part == BrdfPart::total};
+            return brdf(call.control())
+                .derivatives(parameters)
+                .evaluate({mu_in, mu_out, azimuth_deg}, parts);
+        });
+        Numbers values;
+        for (const BrdfValues& derivative : all.derivatives) {
+            for (const BrdfValues::Slice& slice : derivative.slices)
+                values.insert(values.end(), slice.of(part).begin(), slice.of(part).end());
+        }
+        const auto length = [](const auto& list) { return static_cast<py::ssize_t>(list.size()); };
+        return py::make_tuple(
+            array_of(std::move(values), {length(parameters) * length(wavelength_nm_), length(mu_in),
+                                         length(mu_out), length(azimuth_deg)}),
+            facts_of(all.values));
+    }
+
+    /// @returns  (columns of albedo for each parameter, report of the values)
+    py::tuple albedo_derivatives(const std::vector<std::string>& parameters, const Numbers& mu_in,
+                                 const CallOptions& options) const {
+        LongCall call(options);
+        const auto all =
+            call.run([&] { return brdf(call.control()).derivatives(parameters).albedo(mu_in); });
+        py::list columns;
+        for (const AlbedoValues& derivative : all.derivatives)
+            columns.append(columns_of(derivative, mu_in.size()));
+        return py::make_tuple(columns, facts_of(all.values));
     }
 
     py::list layers(const CallOptions& options) const {
@@ -238,6 +281,11 @@ void bind_brdf(py::module_& module) {
         .def("mueller", &SolvedScene::mueller, py::arg("mu_in"), py::arg("mu_out"),
              py::arg("azimuth_deg"), py::arg("options"))
         .def("albedo", &SolvedScene::albedo, py::arg("mu_in"), py::arg("options"))
+        .def("evaluate_derivatives", &SolvedScene::evaluate_derivatives, py::arg("parameters"),
+             py::arg("mu_in"), py::arg("mu_out"), py::arg("azimuth_deg"), py::arg("part"),
+             py::arg("options"))
+        .def("albedo_derivatives", &SolvedScene::albedo_derivatives, py::arg("parameters"),
+             py::arg("mu_in"), py::arg("options"))
         .def("layers", &SolvedScene::layers, py::arg("options"))
         .def("table", &SolvedScene::table, py::arg("part"), py::arg("options"),
              py::arg("whole_matrix") = false, py::arg("command") = "")

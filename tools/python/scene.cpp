@@ -387,6 +387,14 @@ void bind_scene(py::module_& module) {
         .def_readwrite("surface_index", &Scene::surface_index)
         .def_readwrite("database", &Scene::database)
         .def_readwrite("index", &Scene::index)
+        .def("say", &say, py::arg("word"), py::arg("values"))
+        .def_property_readonly("numbers",
+                               [](const Scene& self) {
+                                   py::dict numbers;
+                                   for (const NamedNumber& one : named_numbers(self))
+                                       numbers[py::str(one.name)] = one.value;
+                                   return numbers;
+                               })
         .def("validate", [](const Scene& self) { validate(self); })
         .def("__str__", [](const Scene& self) { return describe(self); });
 }

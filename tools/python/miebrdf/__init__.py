@@ -22,6 +22,7 @@ _install.check()
 from . import colour, errors  # noqa: E402
 from ._brdf import Brdf  # noqa: E402
 from ._core import Depth, Layer, Medium, Substrate, processor_path  # noqa: E402
+from ._derivatives import Derivatives  # noqa: E402
 from ._directions import Report  # noqa: E402
 from ._files import BrdfFile, FileCheck, check, export, formats  # noqa: E402
 from ._fit import Fit, fit  # noqa: E402
@@ -53,6 +54,7 @@ __all__ = [
     "Cancelled",
     "DatabaseError",
     "Depth",
+    "Derivatives",
     "Ensemble",
     "Error",
     "FileCheck",

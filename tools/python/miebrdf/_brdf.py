@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._albedos import Albedos, LayerFacts
 from ._arrays import Floats, Values, broadcast, wavelength_list
+from ._derivatives import Derivatives
 from ._directions import (
     BRDF_ATTRIBUTES,
     Report,
@@ -212,6 +213,40 @@ class Brdf(Albedos):
             self._single,
             axes,
             components,
+            self._call,
+            self._scene_attributes(),
+        )
+
+    def derivatives(self, names: Iterable[str]) -> Derivatives:
+        """How what the scene reflects changes with numbers of it.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Of numbers that have a name in the words of the scene, ``{w=0.9}`` (`Scene.numbers`), or
+            ``n(NAME)`` and ``k(NAME)``: the index of a material or host at each wavelength.
+
+        Returns
+        -------
+        Derivatives
+
+        Raises
+        ------
+        UsageError
+            For numbers that the scene does not have, once they are asked for.
+
+        Examples
+        --------
+        >>> b = Scene("hg:{w=0.9},{g=0.6}").solve([450, 550])
+        >>> b.derivatives(["w", "g"]).albedo(0.5)["g"].shape
+        (2,)
+        """
+        if isinstance(names, str):
+            names = [names]
+        return Derivatives(
+            self._solved,
+            tuple(names),
+            (self.wavelengths_nm, self._single),
             self._call,
             self._scene_attributes(),
         )

@@ -242,6 +242,9 @@ class Scene:
         layers: Sequence[Layer],
         surface: SurfaceOptions | None,
     ) -> None: ...
+    @property
+    def numbers(self) -> dict[str, float]: ...
+    def say(self, word: str, values: Sequence[str]) -> None: ...
     def set_boundary(self, words: str) -> None: ...
     def set_particles(
         self,
@@ -307,6 +310,18 @@ class SolvedScene:
     def albedo(
         self, mu_in: Sequence[float], options: CallOptions
     ) -> tuple[dict[str, Any], dict[str, Any]]: ...
+    def evaluate_derivatives(
+        self,
+        parameters: Sequence[str],
+        mu_in: Sequence[float],
+        mu_out: Sequence[float],
+        azimuth_deg: Sequence[float],
+        part: str,
+        options: CallOptions,
+    ) -> tuple[_Floats, dict[str, Any]]: ...
+    def albedo_derivatives(
+        self, parameters: Sequence[str], mu_in: Sequence[float], options: CallOptions
+    ) -> tuple[list[dict[str, Any]], dict[str, Any]]: ...
     def layers(self, options: CallOptions) -> list[Any]: ...
     def table(
         self, part: str, options: CallOptions, whole_matrix: bool = False, command: str = ""

@@ -12,17 +12,26 @@ from ._albedos import LayerFacts
 from ._arrays import Values
 from ._brdf import Brdf
 from ._core import Layer, Medium, Substrate
+from ._derivatives import Derivatives
 from ._directions import direct_brdf
 from ._keywords import CallAndMethod, Method, checked
 from ._media import MediumLike, host_shown
 from ._options import Progress
-from ._scene_arguments import SceneArguments, core_scene, particles, settled, words
+from ._scene_arguments import (
+    SceneArguments,
+    core_scene,
+    particles,
+    settled,
+    without_names,
+    words,
+)
 
 
 class Scene:
     """A half-space or a ground, layers on it and, if wanted, a rough surface above them.
 
-    A scene does not change once it is made, and nothing is looked up or computed until it is
+    A number in words may have a name, ``"hg:{w=0.9},{g=0.6}"``: `derivatives` asks for it. A scene
+    does not change once it is made, and nothing is looked up or computed until it is
     asked. It can be compared, copied and pickled. Its arguments are attributes by the same names;
     `repr` shows those that are not the defaults.
 
@@ -153,8 +162,11 @@ class Scene:
         database: str = "",
     ) -> None:
         given = {name: value for name, value in locals().items() if name != "self"}
-        self._arguments = settled(given)
-        self._core = core_scene(self._arguments)
+        plain, named = without_names(given)
+        self._arguments = settled(plain)
+        self._core = core_scene(self._arguments, named)
+        #: As they were given where numbers have names.
+        self._given = {**self._arguments, **named}
 
     if not TYPE_CHECKING:  # type checkers know the attributes above, and nothing else
 
@@ -196,7 +208,7 @@ class Scene:
         >>> scene.replace(roughness=0.3) == scene
         False
         """
-        arguments = {**self._arguments, **changes}
+        arguments = {**self._given, **changes}
         if "base" in changes and changes["base"] is not None:
             arguments["substrate"] = changes.get("substrate")
         if "substrate" in changes and changes["substrate"] is not None:
@@ -415,6 +427,51 @@ class Scene:
         return solved.albedo(mu_in, theta_in_deg=theta_in_deg)
 
     @checked(CallAndMethod)
+    def derivatives(
+        self,
+        wavelengths_nm: ArrayLike,
+        names: Iterable[str],
+        **options: Unpack[CallAndMethod],
+    ) -> Derivatives:
+        """How what it reflects changes with numbers of it; see `Brdf.derivatives`.
+
+        Parameters
+        ----------
+        wavelengths_nm : float or array of one dimension
+            In vacuum.
+        names : iterable of str
+            As of `Brdf.derivatives`.
+        **options
+            As of `solve`.
+
+        Returns
+        -------
+        Derivatives
+
+        Raises
+        ------
+        UsageError, InputError
+            As `brdf`.
+
+        Examples
+        --------
+        >>> scene = Scene("hg:{w=0.9},{g=0.6}", coats=["isotropic:0.99@{tau=0.5}"])
+        >>> scene.derivatives(550, ["w", "g", "tau"]).brdf(0.5, 0.7, 30.0)["w"]
+        """
+        return self._solved(wavelengths_nm, options).derivatives(names)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers that have names in its words, ``{w=0.9}``, each once.
+
+        Examples
+        --------
+        >>> Scene("hg:{w=0.9},{g=0.6}").numbers
+        {'w': 0.9, 'g': 0.6}
+        """
+        return self._core.numbers
+
+    @checked(CallAndMethod)
     def layers(
         self, wavelengths_nm: ArrayLike, **options: Unpack[CallAndMethod]
     ) -> list[LayerFacts]:
@@ -471,7 +528,7 @@ class Scene:
     def __repr__(self) -> str:
         given = [
             f"{name}={words(value)}"
-            for name, value in self._arguments.items()
+            for name, value in self._given.items()
             if value is not None and value != DEFAULTS[name]
         ]
         return f"miebrdf.Scene({', '.join(given)})"
@@ -482,13 +539,13 @@ class Scene:
         return scene_html(self)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Scene) and self._arguments == other._arguments
+        return isinstance(other, Scene) and self._given == other._given
 
     def __hash__(self) -> int:
         return hash(repr(self))
 
     def __reduce__(self) -> Any:
-        return _scene_of, (self._arguments,)
+        return _scene_of, (self._given,)
 
 
 #: Of the arguments of `Scene`, as its signature says them.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Any, TypedDict
 
@@ -105,8 +106,75 @@ def settled(given: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def core_scene(of: dict[str, Any]) -> _core.Scene:
-    """The scene of settled arguments, checked."""
+#: Arguments whose words may give numbers names, and the words as the library says them.
+NAMED = {
+    "base": "base",
+    "substrate": "substrate",
+    "coats": "coat",
+    "boundary": "boundary",
+    "roughness": "roughness",
+    "surface_index": "surface-index",
+    "host": "host-index",
+    "effective_radius_um": "effective-radius",
+    "effective_variance": "effective-variance",
+    "layer_density_kg_m3": "layer-density",
+    "k_floor": "k-floor",
+}
+
+
+#: Those of them that are numbers.
+NUMBERS = {
+    "roughness",
+    "effective_radius_um",
+    "effective_variance",
+    "layer_density_kg_m3",
+    "k_floor",
+}
+
+
+def without_names(given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The arguments with plain numbers in their words, and those whose numbers have names."""
+    values: dict[str, str] = {}
+
+    def value_of(place: re.Match[str]) -> str:
+        name, value = place.groups()
+        if value is not None:
+            values.setdefault(name, value)
+        if name not in values:
+            raise UsageError(f"'{{{name}}}': its value is missing; say {{{name}=0.13}} first")
+        return values[name] if value is None else value
+
+    def plain(text: str) -> str:
+        return re.sub(r"\{([A-Za-z_]\w*)(?:=([^{}]*))?\}", value_of, text)
+
+    result, named = dict(given), {}
+    for argument in NAMED:
+        said = given[argument]
+        several = argument == "coats" and not isinstance(said, (str, Layer))
+        texts = tuple(said) if several else (said,)
+        result[argument] = texts if several else said
+        if not any(isinstance(text, str) and "{" in text for text in texts):
+            continue
+        if not all(isinstance(text, str) for text in texts):
+            raise UsageError("coats: where numbers have names all coats must be words")
+        numbers_only = [plain(text) for text in texts]
+        named[argument] = texts if several else said
+        result[argument] = numbers_only if several else numbers_only[0]
+        if argument == "surface_index":
+            result[argument] = complex(*(float(part) for part in numbers_only[0].split(",")))
+        elif argument in NUMBERS:
+            result[argument] = float(numbers_only[0])
+    return result, named
+
+
+def core_scene(of: dict[str, Any], named: dict[str, Any]) -> _core.Scene:
+    """The scene of settled arguments, checked.
+
+    Parameters
+    ----------
+    named : dict
+        As `without_names` gives them.
+    """
     scene = _core.Scene(of["base"], of["substrate"], list(of["coats"]), _surface(of))
     extrapolate = of["extrapolate"]
     if extrapolate not in ("refuse", "clamp"):
@@ -131,6 +199,8 @@ def core_scene(of: dict[str, Any]) -> _core.Scene:
         extrapolate == "clamp",
         bool(of["missing_k_zero"]),
     )
+    for argument, said in named.items():
+        scene.say(NAMED[argument], [said] if isinstance(said, str) else list(said))
     scene.validate()
     return scene
 
