@@ -128,8 +128,8 @@ struct FitResult {
     std::string reason = {};   ///< why it is not converged
     int iterations = 0;
     int solved_scenes = 0;  ///< how many
-    /// Of optics that come from a lattice of sizes: by so many of their standard errors averages of
-    /// their own would move the numbers, at most. Empty: there is no lattice.
+    /// Where optics come from a lattice of sizes: how far averages of their own would move the
+    /// numbers at most, in standard errors, >= 0. Empty: there is no lattice.
     std::optional<double> interpolation_shift = {};
     std::string scene_file = {};  ///< the fitted scene, a scene file for `miebrdf run`
 };
