@@ -100,7 +100,7 @@ def names_of(header):
 def has_unit(name):
     if UNIT_IN_NAME.search(name.name) or re.search(r"[\d<>=]|\bn \+ ik|\b(um|nm|degrees?|seconds|cosines?|relative|"
             r"absolute|share|number|unit|index|depth|factor|how many|radians|sr|largest|smallest|nodes|times|as)\b|"
-            r"moments|waves|Chebyshev|dimensions|nodes|counted|sum of|integral|lists|Lists|dimensionless|not given|directions|wavelength|values|whole number|by default|allowed|place in|components", name.comment):  # fmt: skip
+            r"moments|waves|standard errors?|Chebyshev|dimensions|nodes|counted|sum of|integral|lists|Lists|dimensionless|not given|directions|wavelength|values|whole number|by default|allowed|place in|components", name.comment):  # fmt: skip
         return True
     return bool(name.owner and re.search(rf"\b{name.name}\b", name.owner.comment))
 
