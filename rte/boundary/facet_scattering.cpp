@@ -72,7 +72,8 @@ SlopeCurve met_at(double mu, double sine, double facet) {
 template <typename Slopes>
 class FacetIntegral {
   public:
-    FacetIntegral(double relative_index, const RoughSurface& surface, double mu, double refinement)
+    FacetIntegral(double relative_index, const RoughSurface& surface, double mu, double refinement,
+                  std::span<const double> edges)
         : slopes_{surface.alpha},
           refinement_(refinement),
           index_(relative_index),
@@ -101,6 +102,10 @@ class FacetIntegral {
             const double critical = std::sqrt((index_ - 1.0) * (index_ + 1.0)) / index_;
             add_refracted(critical);
             add_refracted(-critical);
+        }
+        for (const double edge : edges) {
+            for (const double cosine : {edge, -edge})
+                index_ < 1.0 ? add_reflected(cosine) : add_refracted(cosine);
         }
     }
 
@@ -236,11 +241,13 @@ void ScatteredRays::add(double ray_energy, double ray_mu, double ray_cos_azimuth
 double ScatteredRays::sum() const { return std::accumulate(energy.begin(), energy.end(), 0.0); }
 
 FacetScattering scatter_by_facets(double relative_index, const RoughSurface& surface, double mu,
-                                  double refinement) {
+                                  double refinement, std::span<const double> edges) {
     if (surface.distribution == MicrofacetDistribution::ggx) {
-        return FacetIntegral<GgxSlopes>(relative_index, surface, mu, refinement).scattering();
+        return FacetIntegral<GgxSlopes>(relative_index, surface, mu, refinement, edges)
+            .scattering();
     }
-    return FacetIntegral<BeckmannSlopes>(relative_index, surface, mu, refinement).scattering();
+    return FacetIntegral<BeckmannSlopes>(relative_index, surface, mu, refinement, edges)
+        .scattering();
 }
 
 FacetScattering unhidden(const FacetScattering& light, const RoughSurface& surface, double mu) {

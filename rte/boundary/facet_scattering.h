@@ -1,6 +1,7 @@
 // What the facets of a rough boundary do to light of one direction at their first meeting.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <miebrdf/surface.h>
@@ -44,8 +45,9 @@ struct FacetScattering {
 /// @param mu  cosine of the direction that the light comes from, in (-1, 1]; negative: it goes
 ///            away from the surface and is met all the same by a higher facet
 /// @param refinement  scales the number of nodes
+/// @param edges  further cosines in the denser medium where something jumps, each above 0
 FacetScattering scatter_by_facets(double relative_index, const RoughSurface& surface, double mu,
-                                  double refinement = 1.0);
+                                  double refinement = 1.0, std::span<const double> edges = {});
 
 /// Of these rays those that leave the boundary without meeting another facet. Heights of the facets
 /// that a beam from mu > 0 meets and of those that would hide a ray are correlated; with Lambda of

@@ -33,6 +33,16 @@ double refinement_for(const RefractionGrid& grid) {
     return std::max(least, double(most) / nodes_by_default);
 }
 
+/// Cosines in the medium at which panels of other hosts end, between air's and its own.
+std::vector<double> edges_of_hosts(const RefractionGrid& grid, double index) {
+    std::vector<double> edges;
+    for (const RefractionPanel& panel : grid.panels()) {
+        if (panel.high > 1.0 && panel.high < index)
+            edges.push_back(std::sqrt((index - panel.high) * (index + panel.high)) / index);
+    }
+    return edges;
+}
+
 /// From the energies K_pq that go from q to p: reciprocal light has K_pq g_q / g_p = K_qp g_p /
 /// g_q. All K are about as well known, so that the mean of both has the weights g_p^4 and g_q^4;
 /// with equal ones the nodes at grazing, where g is small, would be lost in what errs elsewhere.
@@ -94,6 +104,7 @@ RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, const Re
       order_count_(orders),
       grid_(checked(grid, index, surface, orders)),
       refinement_(refinement_for(grid)),
+      edges_(edges_of_hosts(grid, index)),
       functions_(std::in_place, grid_, index),
       walk_(std::in_place, index, surface, orders),
       d_(flux_weights_of(grid_, index)),
@@ -170,7 +181,7 @@ Eigen::VectorXd RoughBoundary::sky_entering() const {
 
 FacetWalk::Beam RoughBoundary::beam_at_facet(bool from_air, double mu) const {
     return {from_air, mu,
-            scatter_by_facets(from_air ? index_ : 1.0 / index_, surface_, mu, refinement_)};
+            scatter_by_facets(from_air ? index_ : 1.0 / index_, surface_, mu, refinement_, edges_)};
 }
 
 Eigen::MatrixXd RoughBoundary::after_one_facet(const FacetWalk::Beam& beam) const {

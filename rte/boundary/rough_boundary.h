@@ -198,6 +198,7 @@ class RoughBoundary {
     int order_count_;
     RefractionGrid grid_;
     double refinement_ = 1.0;                  ///< of facets
+    std::vector<double> edges_;                ///< cosines inside where panels of other hosts end
     std::optional<PanelFunctions> functions_;  ///< these two only where rays are followed
     std::optional<FacetWalk> walk_;
     std::vector<Neighbour> neighbours_;  ///< and these where matrices are interpolated
