@@ -51,6 +51,7 @@ class Evaluation : public ceres::EvaluationCallback {
         is_good = problem_.evaluate(
             x, residuals, with_jacobian ? std::span<double>(jacobian) : std::span<double>());
         if (!is_good) return;
+        if (with_jacobian) best.jacobian = jacobian;
         double sum = 0.0;
         for (const double r : residuals) sum += loss_of(r * r)[0];
         if (sum < best.sum_of_squares) {

@@ -10,7 +10,9 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <utility>
 
 #include "pipeline/fit/certainty.h"
 #include "pipeline/fit/fitted_scene.h"
@@ -47,10 +49,20 @@ struct Part {
 void run(Part& part, const Control& control) {
     part.found = search(part.problem, part.model, part.target, control);
     part.problem.loss_width = part.found.loss_width;
-    part.values.resize(part.target.values.size());
-    part.derivatives.resize(part.values.size() * part.numbers().size());
-    part.model.finish();  // one more solution after an interruption, for what is said of the best
-    part.model.evaluate(part.numbers(), part.values, part.derivatives);
+    part.values = part.found.values;
+    part.derivatives = part.found.derivatives;
+    if (part.found.interrupted) return;  // whoever waits wants no further solution
+    std::vector<double> values(part.values.size()),
+        derivatives(part.values.size() * part.numbers().size());
+    try {
+        part.model.evaluate(part.numbers(), values, derivatives);
+        part.values = std::move(values);
+        part.derivatives = std::move(derivatives);
+    } catch (const Cancelled&) {
+        part.found.interrupted = true;
+        part.found.converged = false;
+        part.found.reason = "interrupted: standard errors are those of the last step";
+    }
 }
 
 std::vector<std::unique_ptr<Part>> parts_of(const FitProblem& problem, const Control& control) {
@@ -70,6 +82,19 @@ std::vector<std::unique_ptr<Part>> parts_of(const FitProblem& problem, const Con
     outer.is_cancelled = {};
     run_parallel("fit", parts.size(), outer, [&](std::size_t i) { run(*parts[i], inner); });
     return parts;
+}
+
+/// Of a part that was interrupted before its first derivatives nothing is certain.
+Certainty certainty_of(const Part& part, double sigma, double quantile) {
+    const std::size_t n = part.numbers().size();
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    if (part.derivatives.empty()) {
+        const std::vector<double> none(n, kNone);
+        return {none, none, none, std::vector<bool>(n, false), std::vector<double>(n * n, kNone),
+                {}};
+    }
+    return certainty_of(part.problem, part.model, part.target, part.numbers(), part.values,
+                        part.derivatives, sigma, quantile);
 }
 
 /// In standard errors: the normal distribution's, or Student's where sigma
@@ -202,9 +227,7 @@ FitResult fit(const FitProblem& given, const Control& control) {
     }
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const Part& part = *parts[p];
-        const Certainty certainty =
-            certainty_of(part.problem, part.model, part.target, part.numbers(), part.values,
-                         part.derivatives, sigma, quantile);
+        const Certainty certainty = certainty_of(part, sigma, quantile);
         const std::size_t slots = part.numbers().size();
         for (std::size_t s = 0; s < slots; ++s) {
             const Slot& slot = part.model.slots()[s];

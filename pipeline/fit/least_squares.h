@@ -32,6 +32,8 @@ struct LeastSquares {
 struct Minimum {
     std::vector<double> x = {};  ///< the best so far where it has not converged
     std::vector<double> residuals = {};
+    /// The last that was asked for: at x, or a step before it. Empty: none was.
+    std::vector<double> jacobian = {};
     double sum_of_squares = std::numeric_limits<double>::infinity();  ///< of the loss
     int iterations = 0;
     bool converged = false;

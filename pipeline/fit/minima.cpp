@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <miebrdf/error.h>
 #include "pipeline/fit/least_squares.h"
@@ -187,6 +188,18 @@ double lattice_shift(const FitProblem& problem, Model& model, const Target& targ
     return shift_of(exact, derivatives, target, sigma);
 }
 
+/// The values and derivatives that residuals and Jacobian were made of.
+void keep_known(const Minimum& best, const Target& target, Search& found) {
+    const std::size_t count = target.values.size();
+    found.values.assign(count, std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < best.residuals.size(); ++i)
+        found.values[i] = target.values[i] + best.residuals[i] / target.weights[i];
+    found.derivatives = best.jacobian;
+    const std::size_t columns = best.jacobian.size() / count;
+    for (std::size_t i = 0; i < best.jacobian.size(); ++i)
+        found.derivatives[i] /= target.weights[i / columns];
+}
+
 }  // namespace
 
 Target target_of(const FitProblem& problem) {
@@ -262,9 +275,11 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
     std::sort(found.minima.begin(), found.minima.end(),
               [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
     found.converged = best.converged && !found.interrupted;
+    keep_known(best, target, found);
     found.loss_width = searcher.loss_width();
     if (found.interrupted) {
-        found.reason = "interrupted: the best so far";
+        found.reason = best.residuals.empty() ? "interrupted before the first solution"
+                                              : "interrupted: the best so far";
     } else if (!found.converged) {
         found.reason = fmt::format(
             "no minimum within {} iterations; give more "

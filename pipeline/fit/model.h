@@ -32,8 +32,6 @@ class Model {
     /// Values of all data sets, one after the other.
     std::size_t values() const { return values_; }
     int solved_scenes() const { return solved_scenes_; }
-    /// From now on nothing is cancelled any more.
-    void finish() { control_.is_cancelled = {}; }
 
     /// Finds out how each unknown is differentiated, and whether spheres come from a lattice of
     /// sizes.
