@@ -39,6 +39,7 @@ class RoughTop {
     const Eigen::MatrixXd& entering_at_once(int fourier_order) const {
         return light_.entering_at_once[std::size_t(fourier_order)];
     }
+    Eigen::VectorXd sky_entering() const { return boundary_->sky_entering(); }
     double index() const { return index_; }
 
   private:

@@ -289,9 +289,8 @@ void OrderTangents::pass_rough_top(const Step& step, PortFields& light) const {
     entering.leftCols(cosines_) += rough_->entering(order_).transpose() / n;
     if (let_in_ != nullptr) {
         const VectorXd D = flux_weights(frozen_.grids().of(stack_.top_index));
-        const VectorXd uniform = n * (D - inside * D);
-        entering.col(cosines_) += uniform;
-        entering.col(cosines_ + 1) += uniform;
+        entering.col(cosines_) += rough_->sky_entering() / (2.0 * n);
+        entering.col(cosines_ + 1) += n * (D - inside * D);
     }
     light.top = identity_minus(inside * step.below_nodes).partialPivLu().solve(entering);
 }
