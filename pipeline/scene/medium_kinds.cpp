@@ -172,19 +172,20 @@ MediumKind matrix() {
 }
 
 MediumKind scattering() {
-    return {.kind = Species::Kind::scattering,
-            .name = "scattering",
-            .form = "scattering:FILE",
-            .example = "scattering:suso00",
-            .help =
-                "single scattering from a file of OPAC, a T-matrix program, the databases of ice and "
-                "dust (isca.dat), libRadtran, MOPSMAP (NetCDF) or CSV",
-            .parameters = {kAlbedo},
-            .read = [](const std::string& values,
-                       Species& species) { read_scattering_file(values, species); },
-            .optics = optics_of_file,
-            .has_extinction = true,
-            .check = check_scattering};
+    return {
+        .kind = Species::Kind::scattering,
+        .name = "scattering",
+        .form = "scattering:FILE",
+        .example = "scattering:suso00",
+        .help =
+            "single scattering from a file of OPAC, a T-matrix program, the databases of ice and "
+            "dust (isca.dat), libRadtran, MOPSMAP (NetCDF) or CSV",
+        .parameters = {kAlbedo},
+        .read = [](const std::string& values,
+                   Species& species) { read_scattering_file(values, species); },
+        .optics = optics_of_file,
+        .has_extinction = true,
+        .check = check_scattering};
 }
 
 }  // namespace

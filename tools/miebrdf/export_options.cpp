@@ -115,7 +115,8 @@ void ExportArguments::add_file_options(CLI::App& command) {
             int& value = options_.extra.emplace(extra.name, extra.standard).first->second;
             if (extra.is_switch) {
                 // A flag of a whole number counts as given in CLI11 2.4 when it is not.
-                group->add_flag_callback(option_of(extra.name), [&value] { value = 1; }, help);
+                group->add_flag_callback(
+                    option_of(extra.name), [&value] { value = 1; }, help);
             } else {
                 group->add_option(option_of(extra.name), value, help)->capture_default_str();
             }
