@@ -202,8 +202,7 @@ std::vector<ReflectionTable> reflection_derivatives(
     const std::vector<ScaledSides>& sides = known.sides;
     const ClosedChanges& closed = known.closed;
     std::vector<std::vector<double>> multiple;
-    // Of Mueller matrices single elements would be off by up to 4e-3 of the largest.
-    if (light.components == 1 && !closed.changes.empty())
+    if (!closed.changes.empty())
         multiple = multiple_slopes(frozen, closed.changes, directions, light);
     const auto at = [&](const ScaledStack& scaled, bool is_closed) {
         if (is_closed) return frozen_first_order(frozen, scaled, directions, light);

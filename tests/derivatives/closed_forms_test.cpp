@@ -143,8 +143,7 @@ void compare_with_differences(const RandomStack& random, const rte::SolvedLight&
     const auto albedos = rte::albedo_derivatives(stack, changes, question, {}, options, solved);
     const bool is_rough = random.boundary && random.boundary->is_rough();
     const bool has_beams = frozen.scaled().has_mirrors(), is_polarised = light.components > 1;
-    const bool is_noisy = has_beams || is_polarised;
-    const double step = is_polarised ? 1e-4 : (has_beams ? 5e-4 : 1e-5);
+    const double step = has_beams ? 5e-4 : 1e-5;
     for (std::size_t p = 0; p < changes.size(); ++p) {
         // Facets are samples, and others for another index.
         if (is_rough && p >= RandomStack::kIndices) continue;
@@ -157,12 +156,30 @@ void compare_with_differences(const RandomStack& random, const rte::SolvedLight&
                 const rte::ScaledStack scaled = frozen.scaled_like(moved(p, by));
                 return ask(scaled, frozen.grids_of(scaled));
             };
-            const double h = again ? 1e-5 : step, apart = 2 * h * std::abs(random.numbers[p]);
-            std::vector<double> near = slope(at(h), at(-h), apart);
-            if (!again && !is_noisy) return near;
-            const std::vector<double> far = slope(at(2 * h), at(-2 * h), 2 * apart);
-            for (std::size_t k = 0; k < near.size(); ++k) near[k] = (4 * near[k] - far[k]) / 3;
-            return near;
+            const auto symmetric = [&](double h) {
+                return slope(at(h), at(-h), 2 * h * std::abs(random.numbers[p]));
+            };
+            const auto extrapolated = [&](double h) {
+                std::vector<double> near = symmetric(h);
+                const std::vector<double> far = symmetric(2 * h);
+                for (std::size_t k = 0; k < near.size(); ++k) near[k] = (4 * near[k] - far[k]) / 3;
+                return near;
+            };
+            if (again) return extrapolated(1e-5);
+            if (!is_polarised) return has_beams ? extrapolated(step) : symmetric(step);
+            // Some elements of matrices are smooth to seven digits only, and wide steps err where
+            // little is absorbed: the middle of five.
+            std::vector<std::vector<double>> several;
+            for (const double h : {1e-4, 3e-4, 1e-3, 2e-3, 4.9e-3})
+                several.push_back(extrapolated(h));
+            std::vector<double> middle;
+            for (std::size_t k = 0; k < several[0].size(); ++k) {
+                std::vector<double> here;
+                for (const std::vector<double>& one : several) here.push_back(one[k]);
+                std::nth_element(here.begin(), here.begin() + 2, here.end());
+                middle.push_back(here[2]);
+            }
+            return middle;
         };
         const auto reflection = [&](const rte::ScaledStack& scaled, const rte::StackGrids& grids) {
             return rte::elements_last(
@@ -200,7 +217,7 @@ TEST_CASE("closed forms are the derivatives of the discrete equations", "[deriva
     }
 }
 
-TEST_CASE("closed forms are the derivatives of albedos of polarised light", "[derivatives][rte]") {
+TEST_CASE("closed forms are the derivatives of polarised light", "[derivatives][rte]") {
     rte::SolverReport solved;
     solved.streams = 8;
     solved.moments = 3;
@@ -217,6 +234,7 @@ TEST_CASE("closed forms are the derivatives of albedos of polarised light", "[de
         CAPTURE(seed, reflections.of_differences, albedos.of_differences, int(random.below),
                 random.boundary.has_value(), random.has_two_hosts, random.has_second_layer,
                 reflections.error, reflections.largest, albedos.error, albedos.largest);
+        CHECK(reflections.error <= 1e-6 * reflections.largest);
         CHECK(albedos.error <= 1e-6 * albedos.largest);
         CHECK(albedos.of_differences <= 1e-5 * albedos.largest);
     }
