@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -48,6 +49,19 @@ std::string layers_key(const LayerRequest& request, const ResolvedScene& scene, 
     JobKey key("layers");
     scene.add_to(key, w);
     if (request.quantity == LayerQuantity::albedo_through_surface) add_surface(key, scene, w);
+    return key.hash();
+}
+
+/// The same of their derivatives.
+std::string derivatives_key(const LayerRequest& request, const std::vector<SceneChange>& changes,
+                            std::size_t w) {
+    JobKey key("derivatives");
+    key.add(layers_key(request, request.scene, w));
+    for (const SceneChange& change : changes) {
+        key.add(layers_key(request, change.plus, w))
+            .add(layers_key(request, change.minus, w))
+            .add(change.apart[w]);
+    }
     return key.hash();
 }
 
@@ -229,12 +243,21 @@ std::vector<std::vector<LayerSlice>> layer_derivatives(const LayerRequest& reque
     reduced.directions = distinct.directions();
     std::vector<std::vector<LayerSlice>> slices(changes.size());
     for (auto& of_change : slices) of_change.resize(values.size());
-    run_parallel("derivatives", values.size(), control, [&](std::size_t w) {
-        std::vector<LayerSlice> here =
-            WavelengthDerivatives(reduced, w, values[w].report, control).of(changes);
+    // Wavelengths of the same optics share their derivatives, as they share their values.
+    std::map<std::string, std::vector<std::size_t>> shared;
+    for (std::size_t w = 0; w < values.size(); ++w)
+        shared[derivatives_key(reduced, changes, w)].push_back(w);
+    std::vector<const std::vector<std::size_t>*> jobs;
+    for (const auto& [key, wavelengths] : shared) jobs.push_back(&wavelengths);
+    run_parallel("derivatives", jobs.size(), control, [&](std::size_t job) {
+        const std::vector<std::size_t>& wavelengths = *jobs[job];
+        const std::size_t first = wavelengths.front();
+        const std::vector<LayerSlice> here =
+            WavelengthDerivatives(reduced, first, values[first].report, control).of(changes);
         for (std::size_t c = 0; c < changes.size(); ++c) {
             if (here[c].values.empty()) continue;
-            slices[c][w] = spread(std::move(here[c]), distinct, request.quantity);
+            const LayerSlice all = spread(here[c], distinct, request.quantity);
+            for (const std::size_t w : wavelengths) slices[c][w] = all;
         }
     });
     return slices;

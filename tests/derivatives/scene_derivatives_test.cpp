@@ -119,6 +119,33 @@ TEST_CASE("derivatives of a BRDF are those of the values", "[derivatives]") {
     }
 }
 
+TEST_CASE("wavelengths of the same optics share their derivatives", "[derivatives]") {
+    Scene scene;
+    say(scene, "base", {"hg:{w=0.9},{g=0.6}"});
+    const bool is_grey = GENERATE(true, false);
+    // A depth at one wavelength follows the extinction of its medium: that of droplets is not grey.
+    say(scene, "coat",
+        {is_grey ? "isotropic:{a=0.97}@{tau=0.5}" : "water,radius=0.5@{tau=0.5}[500nm]"});
+    std::size_t solved_times = 0;
+    Control control;
+    control.progress = [&](const std::string& stage, std::size_t, std::size_t total) {
+        if (stage == "derivatives") solved_times = total;
+    };
+    const std::vector<double> mu_in = {0.3, 1.0};
+    const auto all =
+        solve(scene, {500, 600, 700}, {}, control).derivatives({"w", "tau"}).albedo(mu_in);
+    CHECK(solved_times == (is_grey ? 1u : 3u));
+    for (std::size_t w = 0; w < 3; ++w) {
+        const double nm = 500 + 100 * double(w);
+        const auto alone = solve(scene, {nm}).derivatives({"w", "tau"}).albedo(mu_in);
+        for (std::size_t p = 0; p < 2; ++p) {
+            CHECK(all.derivatives[p].plane_albedo[w] == alone.derivatives[p].plane_albedo[0]);
+            CHECK(all.derivatives[p].spherical_albedo[w] ==
+                  alone.derivatives[p].spherical_albedo[0]);
+        }
+    }
+}
+
 TEST_CASE("derivatives that have no bound are refused", "[derivatives][errors]") {
     Scene scene;
     say(scene, "base", {"hg:{w=1},{g=0.6}"});
