@@ -73,6 +73,52 @@ TEST_CASE("CSV has a row for each scene, wavelength and direction", "[sweep][pro
     CHECK(csv.text(0, "brdf") == expected.text(0, "brdf"));  // to the last bit
 }
 
+TEST_CASE("sweeps store derivatives by axes and by named numbers",
+          "[sweep][program][derivatives]") {
+    const support::TemporaryFolder folder;
+    // Nodes are given, so that neighbouring scenes are solved alike.
+    const std::string text = R"(outputs = ["brdf", "plane_albedo", "spherical_albedo"]
+derivatives = ["albedo", "g"]
+[scene]
+base = "hg:{albedo},{g=0.4}"
+coat = "isotropic:0.9@0.5"
+streams = 12
+tolerance = 1e-5
+[axes]
+albedo = [0.699, 0.7, 0.701]
+mu_in = [0.5, 1]
+mu_out = [0.3]
+azimuth_deg = [0, 90]
+wavelength_nm = [500]
+)";
+    const std::string table = folder / "t.csv";
+    support::run_ok("sweep " + folder.write("s.toml", text) + " -o " + table);
+    const support::CsvOutput csv(bytes_of(table));
+    constexpr std::size_t directions = 4;
+    REQUIRE(csv.size() == 3 * directions);
+    const std::string alone =
+        " --base 'hg:{albedo=0.7},{g=0.4}' --coat isotropic:0.9@0.5 --streams 12 --tolerance 1e-5 "
+        "--wavelengths 500 --mu-in 0.5,1 --derivatives albedo,g --no-cache";
+    const support::CsvOutput albedos = support::csv_of("albedo" + alone);
+    const support::CsvOutput brdf = support::csv_of("brdf --mu-out 0.3 --azimuth 0,90" + alone);
+    for (const char* value : {"brdf", "plane_albedo", "spherical_albedo"}) {
+        const std::string by_albedo = std::string(value) + "_d_albedo";
+        for (std::size_t row = 0; row < directions; ++row) {
+            CAPTURE(value, row);
+            const std::size_t here = directions + row;
+            const double slope =
+                (csv.number(here + directions, value) - csv.number(row, value)) / 2e-3;
+            // The third derivative is some 4 / (1 - albedo)^2 of the first, and counts h^2 / 6.
+            CHECK(std::abs(csv.number(here, by_albedo) - slope) <= 2e-5 * std::abs(slope));
+            const bool is_brdf = std::string(value) == "brdf";
+            const support::CsvOutput& truth = is_brdf ? brdf : albedos;
+            const std::size_t place = is_brdf ? row : row / 2;
+            for (const std::string& by : {by_albedo, std::string(value) + "_d_g"})
+                CHECK(csv.number(here, by) == truth.number(place, by));
+        }
+    }
+}
+
 TEST_CASE("tables of sweeps hold Mueller matrices", "[sweep][program][polarisation]") {
     const support::TemporaryFolder folder;
     const std::string four = GENERATE(as<std::string>(), "", "stokes = 4\n");
