@@ -5,8 +5,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <miebrdf/error.h>
+#include <miebrdf/value_derivatives.h>
 
 namespace miebrdf {
 namespace {
@@ -152,15 +154,31 @@ Xyz white_point(const Viewing& viewing) {
     return whites[std::size_t(viewing.illuminant)][std::size_t(viewing.observer)];
 }
 
+namespace {
+
+// f of ISO/CIE 11664-4: a cube root, and below (6/29)^3 its tangent.
+constexpr double kLabDelta = 6.0 / 29.0;
+
+bool is_cube_root(double t) { return t > kLabDelta * kLabDelta * kLabDelta; }
+
+double lab_f(double t) {
+    return is_cube_root(t) ? std::cbrt(t) : t / (3 * kLabDelta * kLabDelta) + 4.0 / 29.0;
+}
+
+double lab_f_slope(double t) {
+    const double root = is_cube_root(t) ? std::cbrt(t) : kLabDelta;
+    return 1.0 / (3 * root * root);
+}
+
+Lab lab_of(double fx, double fy, double fz) { return {116 * fy, 500 * (fx - fy), 200 * (fy - fz)}; }
+
+}  // namespace
+
 Lab to_lab(const Xyz& xyz, const Viewing& viewing) {
-    // f of ISO/CIE 11664-4: a cube root, and below (6/29)^3 its tangent.
-    const auto f = [](double t) {
-        constexpr double delta = 6.0 / 29.0;
-        return t > delta * delta * delta ? std::cbrt(t) : t / (3 * delta * delta) + 4.0 / 29.0;
-    };
     const Xyz white = white_point(viewing);
-    const double fx = f(xyz.x / white.x), fy = f(xyz.y / white.y), fz = f(xyz.z / white.z);
-    return {116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)};
+    Lab lab = lab_of(lab_f(xyz.x / white.x), lab_f(xyz.y / white.y), lab_f(xyz.z / white.z));
+    lab.l -= 16;
+    return lab;
 }
 
 LinearSrgb to_linear_srgb(const Xyz& xyz, const Viewing& viewing) {
@@ -185,6 +203,15 @@ double encode_srgb(double linear) {
         size <= 0.0031308 ? 12.92 * size : 1.055 * std::pow(size, 1.0 / 2.4) - 0.055;
     return std::copysign(encoded, linear);
 }
+
+namespace {
+
+double encode_srgb_slope(double linear) {
+    const double size = std::abs(linear);
+    return size <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(size, 1.0 / 2.4 - 1.0);
+}
+
+}  // namespace
 
 std::array<std::uint8_t, 3> to_srgb8(const LinearSrgb& colour) {
     const auto byte = [](double linear) {
@@ -216,6 +243,28 @@ Colour Colorimeter::operator()(const std::vector<double>& reflectance) const {
     const Xyz coarse = to_xyz(coarse_weights_, chosen(reflectance, every_other_));
     colour.error_estimate = delta_e_76(colour.lab, to_lab(coarse, viewing_));
     return colour;
+}
+
+ColourDerivative derivative_of_colour(const Colorimeter& colorimeter,
+                                      const std::vector<double>& reflectance,
+                                      const std::vector<double>& slope) {
+    const Colour at = colorimeter(reflectance), change = colorimeter(slope);
+    const Xyz white = white_point(colorimeter.viewing());
+    const auto& [dx, dy, dz] = change.xyz;
+    ColourDerivative all;
+    all.xyz = change.xyz;
+    all.srgb = change.srgb;
+    all.lab = lab_of(lab_f_slope(at.xyz.x / white.x) * dx / white.x,
+                     lab_f_slope(at.xyz.y / white.y) * dy / white.y,
+                     lab_f_slope(at.xyz.z / white.z) * dz / white.z);
+    const double a = at.lab.a, b = at.lab.b, chroma = at.lch.c;
+    constexpr double degrees = 180.0 / std::numbers::pi;
+    all.lch = {all.lab.l, (a * all.lab.a + b * all.lab.b) / chroma,
+               degrees * (a * all.lab.b - b * all.lab.a) / (chroma * chroma)};
+    all.encoded = {encode_srgb_slope(at.srgb.red) * change.srgb.red,
+                   encode_srgb_slope(at.srgb.green) * change.srgb.green,
+                   encode_srgb_slope(at.srgb.blue) * change.srgb.blue};
+    return all;
 }
 
 }  // namespace miebrdf

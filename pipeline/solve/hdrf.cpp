@@ -1,6 +1,7 @@
 // Reflectance under a sky that is sun and diffuse light.
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
+#include <miebrdf/value_derivatives.h>
 
 #include <algorithm>
 #include <numbers>
@@ -32,6 +33,48 @@ void add_report(ResultReport& all, const ResultReport& part) {
     }
 }
 
+/// @throws UsageError  where hdrf has no meaning
+void require_sky(const Brdf& brdf, double diffuse_fraction) {
+    require_share(diffuse_fraction);
+    const Scene& scene = brdf.scene();
+    if (diffuse_fraction > 0.0 && scene.surface &&
+        scene.coupling != rte::SurfaceCoupling::reciprocal) {
+        throw UsageError(
+            "diffuse light on a rough surface needs the coupling 'reciprocal': with the paper's, "
+            "what comes in from all sides is not what goes out to them");
+    }
+}
+
+/// The sun's part is not evaluated under a uniform sky, but its directions are checked all the
+/// same.
+BrdfParts parts_of_sun(double diffuse_fraction) {
+    return {.subsurface = false, .surface = false, .total = diffuse_fraction < 1.0};
+}
+
+/// Of both parts, or their derivatives.
+/// @param sky  at the cosines of reflection; not looked at without diffuse light
+HdrfValues mixed(const Directions& directions, double diffuse_fraction, const BrdfValues& sun,
+                 const AlbedoValues& sky) {
+    const bool diffuse = diffuse_fraction > 0.0, sunny = diffuse_fraction < 1.0;
+    const std::size_t ins = directions.mu_in.size(), outs = directions.mu_out.size(),
+                      azimuths = directions.azimuth_deg.size();
+    HdrfValues values;
+    if (sunny) add_report(values, sun);
+    if (diffuse) add_report(values, sky);
+    values.directions = directions;
+    values.diffuse_fraction = diffuse_fraction;
+    const std::size_t wavelengths = sunny ? sun.slices.size() : sky.spherical_albedo.size();
+    for (std::size_t w = 0; w < wavelengths; ++w) {
+        std::vector<double>& all = values.hdrf.emplace_back(ins * outs * azimuths, 0.0);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (sunny)
+                all[i] = (1.0 - diffuse_fraction) * std::numbers::pi * sun.slices[w].total[i];
+            if (diffuse) all[i] += diffuse_fraction * sky.at(w, i / azimuths % outs);
+        }
+    }
+    return values;
+}
+
 }  // namespace
 
 double AlbedoValues::under_sky(std::size_t wavelength, std::size_t in,
@@ -42,37 +85,37 @@ double AlbedoValues::under_sky(std::size_t wavelength, std::size_t in,
 }
 
 HdrfValues Brdf::hdrf(const Directions& directions, double diffuse_fraction) const {
-    require_share(diffuse_fraction);
-    const bool diffuse = diffuse_fraction > 0.0, sunny = diffuse_fraction < 1.0;
-    if (diffuse && scene().surface && scene().coupling != rte::SurfaceCoupling::reciprocal) {
-        throw UsageError(
-            "diffuse light on a rough surface needs the coupling 'reciprocal': with the paper's, "
-            "what comes in from all sides is not what goes out to them");
+    require_sky(*this, diffuse_fraction);
+    const BrdfValues sun = evaluate(directions, parts_of_sun(diffuse_fraction));
+    return mixed(directions, diffuse_fraction, sun,
+                 diffuse_fraction > 0.0 ? albedo(directions.mu_out) : AlbedoValues{});
+}
+
+WithDerivatives<HdrfValues> hdrf_derivatives(const Brdf& brdf,
+                                             const std::vector<std::string>& parameters,
+                                             const Directions& directions,
+                                             double diffuse_fraction) {
+    require_sky(brdf, diffuse_fraction);
+    const BrdfDerivatives by = brdf.derivatives(parameters);
+    const BrdfParts parts = parts_of_sun(diffuse_fraction);
+    WithDerivatives<BrdfValues> sun;
+    if (parts.total) {
+        sun = by.evaluate(directions, parts);
+    } else {
+        sun.values = brdf.evaluate(directions, parts);
     }
-    const std::size_t ins = directions.mu_in.size(), outs = directions.mu_out.size(),
-                      azimuths = directions.azimuth_deg.size();
-    HdrfValues values;
-    // The diffuse part is not evaluated at the sun's directions, but these are checked all the
-    // same.
-    const BrdfValues sun =
-        evaluate(directions, {.subsurface = false, .surface = false, .total = sunny});
-    if (sunny) add_report(values, sun);
-    AlbedoValues sky;
-    if (diffuse) {
-        sky = albedo(directions.mu_out);
-        add_report(values, sky);
+    WithDerivatives<AlbedoValues> sky;
+    if (diffuse_fraction > 0.0) sky = by.albedo(directions.mu_out);
+    sun.derivatives.resize(parameters.size());
+    sky.derivatives.resize(parameters.size());
+    WithDerivatives<HdrfValues> all{
+        mixed(directions, diffuse_fraction, sun.values, sky.values), parameters, {}};
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+        HdrfValues& derivative = all.derivatives.emplace_back(
+            mixed(directions, diffuse_fraction, sun.derivatives[p], sky.derivatives[p]));
+        static_cast<ResultReport&>(derivative) = {};
     }
-    values.directions = directions;
-    values.diffuse_fraction = diffuse_fraction;
-    for (std::size_t w = 0; w < values.wavelengths.size(); ++w) {
-        std::vector<double>& all = values.hdrf.emplace_back(ins * outs * azimuths, 0.0);
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            if (sunny)
-                all[i] = (1.0 - diffuse_fraction) * std::numbers::pi * sun.slices[w].total[i];
-            if (diffuse) all[i] += diffuse_fraction * sky.at(w, i / azimuths % outs);
-        }
-    }
-    return values;
+    return all;
 }
 
 }  // namespace miebrdf

@@ -1,6 +1,7 @@
 // Derivatives of what a scene is asked for, against differences of it.
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
+#include <miebrdf/value_derivatives.h>
 
 #include <algorithm>
 #include <cmath>
@@ -116,6 +117,66 @@ TEST_CASE("derivatives of a BRDF are those of the values", "[derivatives]") {
             CAPTURE(describe(scene), names[p], azimuth, derivative, truth);
             CHECK(std::abs(numbers[p].value * (derivative - truth)) <= 1e-6 * largest);
         }
+    }
+}
+
+TEST_CASE("derivatives under a sky of sun and diffuse light are those of the values",
+          "[derivatives][hdrf]") {
+    const Scene scene = half_space();
+    const Directions directions{{0.3}, {0.2, 0.9}, {70.0}};
+    for (const double share : {0.0, 0.3, 1.0}) {
+        const auto all =
+            hdrf_derivatives(solve(scene, {550}, fixed_nodes()), {"w", "tau"}, directions, share);
+        CHECK(all.values.hdrf == solve(scene, {550}, fixed_nodes()).hdrf(directions, share).hdrf);
+        for (std::size_t p = 0; p < 2; ++p) {
+            const NamedNumber number{all.parameters[p], p == 0 ? 0.9 : 0.5};
+            for (const std::size_t i : {0u, 1u}) {
+                const double derivative = all.derivatives[p].hdrf[0][i];
+                const double truth = difference(scene, number, [&](const Brdf& brdf) {
+                    return brdf.hdrf(directions, share).hdrf[0][i];
+                });
+                CAPTURE(share, number.name, i, derivative, truth);
+                CHECK(std::abs(derivative - truth) <= 1e-6 * std::max(1.0, std::abs(truth)));
+            }
+        }
+    }
+    CHECK_THROWS_WITH(hdrf_derivatives(solve(scene, {550}), {"w"}, directions, 1.2),
+                      Catch::Contains("diffuse_fraction"));
+}
+
+TEST_CASE("derivatives of colours are those of the colours", "[derivatives][colour]") {
+    const std::vector<double> nm = {400, 440, 480, 520, 560, 600, 640, 680};
+    // The second is dark: below the cube root of Lab and the power of sRGB.
+    const double scale = GENERATE(1.0, 1e-3);
+    std::vector<double> reflectance, slope;
+    for (const double one : nm) {
+        reflectance.push_back(scale * (0.3 + 0.2 * std::sin(one / 60)));
+        slope.push_back(scale * std::cos(one / 45));
+    }
+    const Colorimeter colorimeter(nm, Viewing(Illuminant::d50, Observer::ten_degrees));
+    const auto list = [](const Xyz& xyz, const Lab& lab, const Lch& lch, const LinearSrgb& linear,
+                         const LinearSrgb& encoded) {
+        return std::vector<double>{xyz.x,       xyz.y,         xyz.z,        lab.l,
+                                   lab.a,       lab.b,         lch.l,        lch.c,
+                                   lch.h_deg,   linear.red,    linear.green, linear.blue,
+                                   encoded.red, encoded.green, encoded.blue};
+    };
+    const auto at = [&](double x) {
+        std::vector<double> moved = reflectance;
+        for (std::size_t k = 0; k < moved.size(); ++k) moved[k] += x * slope[k];
+        const auto& [xyz, lab, lch, rgb, error] = colorimeter(moved);
+        return list(xyz, lab, lch, rgb,
+                    {encode_srgb(rgb.red), encode_srgb(rgb.green), encode_srgb(rgb.blue)});
+    };
+    const auto& [xyz, lab, lch, linear, encoded] =
+        derivative_of_colour(colorimeter, reflectance, slope);
+    const std::vector<double> found = list(xyz, lab, lch, linear, encoded);
+    constexpr double h = 1e-4;
+    const std::vector<double> plus = at(h), minus = at(-h);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        const double truth = (plus[k] - minus[k]) / (2 * h);
+        CAPTURE(scale, k, found[k], truth);
+        CHECK(std::abs(found[k] - truth) <= 1e-5 * std::abs(truth));
     }
 }
 

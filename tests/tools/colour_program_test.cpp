@@ -106,6 +106,39 @@ TEST_CASE("the sky's share is a column of albedos and a quantity of BRDFs", "[pr
     CHECK(hdrf.number(0, "hdrf") == Approx(albedo.number(0, "plane_albedo")).epsilon(1e-9));
 }
 
+TEST_CASE("colours and reflectance under a sky have columns of derivatives",
+          "[program][colour][hdrf][derivatives]") {
+    const std::string scene = " --mu-in 0.5 --wavelengths 400:700:20 --streams 12 --base hg:{w=";
+    const auto with = [&](const std::string& command, const std::string& w,
+                          const std::string& options) {
+        return answer(command + scene + w + "},0.5" + options);
+    };
+    const auto within = [](double found, double plus, double minus) {
+        const double truth = (plus - minus) / 2e-3;
+        CAPTURE(found, truth);
+        CHECK(std::abs(found - truth) <= 1e-3 * std::abs(truth));  // colours have six decimals
+    };
+    const std::string colour = " --colour d65,10";
+    const auto albedo = with("albedo", "0.9", colour + " --derivatives w");
+    CHECK(albedo.columns().back() == "lch_h_d_w");
+    const auto more = with("albedo", "0.901", colour), less = with("albedo", "0.899", colour);
+    for (const char* name : {"x", "y", "z", "lab_l", "srgb_green"}) {
+        CAPTURE(name);
+        for (const std::size_t row : {0u, 1u})
+            within(albedo.number(row, std::string(name) + "_d_w"), more.number(row, name),
+                   less.number(row, name));
+    }
+    CHECK(albedo.text(0, "lch_h_d_w").empty());  // a grey
+    const std::string view = " --mu-out 0.4 --azimuth 30";
+    const auto brdf = with("brdf", "0.9", view + colour + " --derivatives w");
+    within(brdf.number(0, "y_d_w"), with("brdf", "0.901", view + colour).number(0, "y"),
+           with("brdf", "0.899", view + colour).number(0, "y"));
+    const std::string sky = view + " --quantity hdrf --diffuse-fraction 0.3";
+    within(with("brdf", "0.9", sky + " --derivatives w").number(0, "hdrf_d_w"),
+           with("brdf", "0.901", sky).number(0, "hdrf"),
+           with("brdf", "0.899", sky).number(0, "hdrf"));
+}
+
 TEST_CASE("colours, grounds and skies that cannot be are refused with what is allowed",
           "[program][colour][errors]") {
     const support::TemporaryFolder folder;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include <miebrdf/value_derivatives.h>
 #include "tools/miebrdf/colour_table.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/drawdown_table.h"
@@ -82,6 +83,13 @@ RowSource rows_of(const WithDerivatives<BrdfValues>& all, const BrdfQuestion& qu
             }};
 }
 
+void add_derivative_fact(Table& table, const std::vector<std::string>& parameters) {
+    if (parameters.empty()) return;
+    table.facts.emplace_back(
+        "derivatives",
+        "VALUE_d_NAME: per unit in which the number is written; n(NAME), k(NAME): per 1");
+}
+
 /// Adds a column for the derivative of each value by each parameter.
 void add_derivative_columns(Table& table, std::size_t first_value,
                             const std::vector<std::string>& parameters) {
@@ -90,11 +98,7 @@ void add_derivative_columns(Table& table, std::size_t first_value,
         for (std::size_t c = first_value; c < end; ++c)
             table.columns.push_back(fmt::format("{}_d_{}", table.columns[c], parameter));
     }
-    if (!parameters.empty()) {
-        table.facts.emplace_back(
-            "derivatives",
-            "VALUE_d_NAME: per unit in which the number is written; n(NAME), k(NAME): per 1");
-    }
+    add_derivative_fact(table, parameters);
 }
 
 /// Calls add(in, out, azimuth) for every direction, in the order of values.
@@ -108,7 +112,12 @@ void for_each_direction(const Directions& directions, Add add) {
 }
 
 int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
-    const HdrfValues values = brdf.hdrf(question.directions, *question.diffuse_fraction);
+    const double share = *question.diffuse_fraction;
+    const auto all =
+        question.derivatives.empty()
+            ? WithDerivatives<HdrfValues>{brdf.hdrf(question.directions, share), {}, {}}
+            : hdrf_derivatives(brdf, question.derivatives, question.directions, share);
+    const HdrfValues& values = all.values;
     for (const std::string& note : values.notes) shell.note("note: " + note);
     Table table;
     add_facts(table, values, brdf.scene(),
@@ -117,20 +126,33 @@ int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
               "in the same light");
     table.facts.emplace_back("diffuse_fraction", values.diffuse_fraction);
     table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "hdrf"};
+    add_derivative_columns(table, 4, all.parameters);
     const std::size_t directions = count_of(values.directions);
     table.more_rows = {values.wavelengths.size() * directions,
-                       [&values, directions](std::size_t i, std::vector<Cell>& row) {
+                       [&values, &all, directions](std::size_t i, std::vector<Cell>& row) {
                            const std::size_t w = i / directions, index = i % directions;
                            start_row(row, values.wavelengths[w].wavelength_nm, values.directions,
                                      index);
                            row.emplace_back(values.hdrf[w][index]);
+                           for (const HdrfValues& derivative : all.derivatives)
+                               row.emplace_back(derivative.hdrf[w][index]);
                        }};
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }
 
-int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question, const BrdfValues& values,
-                       const Shell& shell) {
+/// Adds the cells of derivatives to the last row.
+void add_colour_derivatives(const ColourColumns& colours, Table& table,
+                            const std::vector<double>& spectrum,
+                            const std::vector<std::vector<std::vector<double>>>& slopes,
+                            std::size_t row) {
+    for (const auto& of_parameter : slopes)
+        colours.add_derivative_cells(table, spectrum, of_parameter[row]);
+}
+
+int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question,
+                       const WithDerivatives<BrdfValues>& all, const Shell& shell) {
+    const BrdfValues& values = all.values;
     ReferenceSpectra reference;
     if (!question.reference.empty())
         reference = reference_reflectances(question.reference, question, shell.control());
@@ -138,17 +160,24 @@ int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question, const Brd
     Table table;
     table.columns = {"mu_in", "mu_out", "azimuth_deg"};
     colours.add_names(table);
+    colours.add_derivative_names(table, all.parameters);
     const auto spectra = spectra_of(values, question.columns.front());
+    std::vector<std::vector<std::vector<double>>> slopes;
+    for (const BrdfValues& derivative : all.derivatives)
+        slopes.push_back(spectra_of(derivative, question.columns.front()));
     std::size_t index = 0;
     for_each_direction(question.directions, [&](double in, double out, double azimuth) {
         table.rows.push_back({in, out, azimuth});
-        colours.add_cells(table, spectra[index++]);
+        colours.add_cells(table, spectra[index]);
+        add_colour_derivatives(colours, table, spectra[index], slopes, index);
+        ++index;
     });
     add_facts(table, values, brdf.scene(),
               "mu: cosine from the normal; azimuth_deg: 0 = mirror side; colours of pi times the "
               "BRDF (reflectance factor); " +
                   colours.units());
     colours.add_facts(table);
+    add_derivative_fact(table, all.parameters);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }
@@ -164,7 +193,7 @@ int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
             : brdf.derivatives(question.derivatives).evaluate(question.directions, question.parts);
     const BrdfValues& values = all.values;
     for (const std::string& note : values.notes) shell.note("note: " + note);
-    if (question.viewing) return write_brdf_colours(brdf, question, values, shell);
+    if (question.viewing) return write_brdf_colours(brdf, question, all, shell);
     Table table;
     add_facts(table, values, brdf.scene(),
               std::string("wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: "
@@ -224,7 +253,8 @@ void add_spectra(Table& table, const WithDerivatives<AlbedoValues>& all,
 }
 
 int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
-                         const AlbedoValues& values, const Shell& shell) {
+                         const WithDerivatives<AlbedoValues>& all, const Shell& shell) {
+    const AlbedoValues& values = all.values;
     ReferenceSpectra reference;
     if (!question.reference.empty())
         reference = reference_albedos(question.reference, question, shell.control());
@@ -233,7 +263,11 @@ int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
     table.columns = {"quantity", "mu_in"};
     colours.add_names(table);
     const std::size_t count = values.mu_in.size();
+    colours.add_derivative_names(table, all.parameters);
     const auto spectra = spectra_of(values, question.diffuse_fraction);
+    std::vector<std::vector<std::vector<double>>> slopes;
+    for (const AlbedoValues& derivative : all.derivatives)
+        slopes.push_back(spectra_of(derivative, question.diffuse_fraction));
     for (std::size_t r = 0; r < spectra.size(); ++r) {
         if (r == count) {
             table.rows.push_back({std::string("spherical_albedo"), Cell()});
@@ -242,9 +276,11 @@ int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
                                   values.mu_in[r < count ? r : r - count - 1]});
         }
         colours.add_cells(table, spectra[r]);
+        add_colour_derivatives(colours, table, spectra[r], slopes, r);
     }
     add_facts(table, values, brdf.scene(), "mu_in: cosine from the normal; " + colours.units());
     colours.add_facts(table);
+    add_derivative_fact(table, all.parameters);
     shell.write(std::move(table));
     return values.converged() ? kGood : kNotConverged;
 }
@@ -256,7 +292,7 @@ int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& 
                          : brdf.derivatives(question.derivatives).albedo(question.mu_in);
     const AlbedoValues& values = all.values;
     for (const std::string& note : values.notes) shell.note("note: " + note);
-    if (question.viewing) return write_albedo_colours(brdf, question, values, shell);
+    if (question.viewing) return write_albedo_colours(brdf, question, all, shell);
     Table table;
     add_facts(table, values, brdf.scene(),
               "wavelength_nm: nm in vacuum; mu_in: cosine from the normal; albedos dimensionless: "

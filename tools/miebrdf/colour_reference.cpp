@@ -132,7 +132,7 @@ ReferenceSpectra checked(ReferenceSpectra spectra, const std::string& path) {
 
 std::vector<std::vector<double>> spectra_of(const AlbedoValues& values,
                                             const std::optional<double>& diffuse_fraction) {
-    const std::size_t wavelengths = values.wavelengths.size(), count = values.mu_in.size();
+    const std::size_t wavelengths = values.spherical_albedo.size(), count = values.mu_in.size();
     const auto spectrum = [&](auto value) {
         std::vector<double> all;
         for (std::size_t w = 0; w < wavelengths; ++w) all.push_back(value(w));

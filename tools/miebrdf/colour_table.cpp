@@ -4,12 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+
+#include <miebrdf/value_derivatives.h>
 
 namespace miebrdf::program {
 namespace {
 
 /// Six decimals: what is beyond is rounding (-6e-14 for the a of a grey), and no eye sees it.
 Cell decimals(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
+
+constexpr const char* kColours[] = {"x",         "y",     "z",        "lab_l",
+                                    "lab_a",     "lab_b", "srgb_red", "srgb_green",
+                                    "srgb_blue", "lch_c", "lch_h"};
+
+// Rounding alone gives a grey a hue.
+constexpr double kLeastChroma = 1e-6;
 
 }  // namespace
 
@@ -26,10 +36,8 @@ ColourColumns::ColourColumns(const std::vector<double>& wavelength_nm, const Vie
 }
 
 void ColourColumns::add_names(Table& table) const {
-    for (const char* name : {"x", "y", "z", "lab_l", "lab_a", "lab_b", "srgb_red", "srgb_green",
-                             "srgb_blue", "lch_c", "lch_h", "colour_error"}) {
-        table.columns.emplace_back(name);
-    }
+    table.columns.insert(table.columns.end(), std::begin(kColours), std::end(kColours));
+    table.columns.emplace_back("colour_error");
     if (!reference_.empty()) table.columns.insert(table.columns.end(), {"de76", "de2000"});
 }
 
@@ -41,8 +49,6 @@ double ColourColumns::add_cells(Table& table, const std::vector<double>& reflect
                                encode_srgb(rgb.green), encode_srgb(rgb.blue), lch.c}) {
         row.push_back(decimals(value));
     }
-    // Rounding alone gives a grey a hue.
-    constexpr double kLeastChroma = 1e-6;
     row.push_back(lch.c < kLeastChroma ? Cell() : decimals(lch.h_deg));
     row.push_back(decimals(error));
     largest_error_ = std::max(largest_error_, error);
@@ -52,6 +58,25 @@ double ColourColumns::add_cells(Table& table, const std::vector<double>& reflect
         row.push_back(decimals(delta_e_2000(standard, lab)));
     }
     return xyz.y;
+}
+
+void ColourColumns::add_derivative_names(Table& table,
+                                         const std::vector<std::string>& parameters) const {
+    for (const std::string& parameter : parameters) {
+        for (const char* name : kColours)
+            table.columns.push_back(fmt::format("{}_d_{}", name, parameter));
+    }
+}
+
+void ColourColumns::add_derivative_cells(Table& table, const std::vector<double>& reflectance,
+                                         const std::vector<double>& slope) const {
+    const auto& [xyz, lab, lch, linear, rgb] =
+        derivative_of_colour(colorimeter_, reflectance, slope);
+    std::vector<Cell>& row = table.rows.back();
+    row.insert(row.end(), {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, rgb.red, rgb.green, rgb.blue});
+    const bool is_grey = colorimeter_(reflectance).lch.c < kLeastChroma;
+    row.push_back(is_grey ? Cell() : Cell(lch.c));
+    row.push_back(is_grey ? Cell() : Cell(lch.h_deg));
 }
 
 void ColourColumns::add_facts(Table& table) const {

@@ -20,11 +20,13 @@ struct ReferenceSpectra {
     bool empty() const { return reflectance.empty(); }
 };
 
-/// The rows of `albedo --colour`: plane albedo at each mu_in, spherical albedo, albedo under the
-/// sky at each mu_in if a share of diffuse light is given. [row][wavelength]
+/// The rows of `albedo --colour`, or their derivatives: plane albedo at each mu_in, spherical
+/// albedo, albedo under the sky at each mu_in if a share of diffuse light is given.
+/// [row][wavelength]
 std::vector<std::vector<double>> spectra_of(const AlbedoValues& values,
                                             const std::optional<double>& diffuse_fraction);
-/// The rows of `brdf --colour`: pi times the BRDF at every direction. [row][wavelength]
+/// The rows of `brdf --colour`, or their derivatives: pi times the BRDF at every direction.
+/// [row][wavelength]
 std::vector<std::vector<double>> spectra_of(const BrdfValues& values, BrdfPart part);
 
 /// The albedos that a file has for these rows: a scene file (.toml), whose first result's scene is
@@ -50,6 +52,11 @@ class ColourColumns {
     /// Adds the cells of a reflectance to the last row; the n-th call is for row n.
     /// @return Y
     double add_cells(Table& table, const std::vector<double>& reflectance);
+    /// Columns VALUE_d_NAME of each x ... lch_h by each parameter.
+    void add_derivative_names(Table& table, const std::vector<std::string>& parameters) const;
+    /// Adds their cells to the last row; as of add_cells, and the derivatives of the reflectance.
+    void add_derivative_cells(Table& table, const std::vector<double>& reflectance,
+                              const std::vector<double>& slope) const;
     /// Facts that explain the colours, and say how well the wavelengths determine them.
     void add_facts(Table& table) const;
     std::string units() const;

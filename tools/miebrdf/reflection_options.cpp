@@ -180,10 +180,7 @@ BrdfQuestion BrdfArguments::parse() const {
     if (question.diffuse_fraction && question.columns != std::vector{BrdfPart::total})
         throw UsageError("--quantity hdrf is that of the whole; leave out --component");
     const bool has_matrix = question.request.solver.stokes > 1;
-    question.derivatives =
-        parse_derivatives(derivatives_, question.viewing || question.diffuse_fraction || has_matrix
-                                            ? "--colour, --stokes and --quantity hdrf"
-                                            : "");
+    question.derivatives = parse_derivatives(derivatives_, has_matrix ? "--stokes" : "");
     return question;
 }
 
@@ -213,8 +210,7 @@ AlbedoQuestion AlbedoArguments::parse() const {
     question.diffuse_fraction = parse_diffuse_fraction(diffuse_fraction_);
     question.viewing = colour_.parse(question.request.wavelength_nm);
     question.reference = colour_.reference();
-    question.derivatives = parse_derivatives(
-        derivatives_, question.viewing || !over_.empty() ? "--colour and --over" : "");
+    question.derivatives = parse_derivatives(derivatives_, over_.empty() ? "" : "--over");
     if (over_.empty()) return question;
     question.over = parse_grounds(over_);
     question.request.scene.substrate = question.over.front();

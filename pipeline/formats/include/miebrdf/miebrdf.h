@@ -36,6 +36,7 @@
 #include <miebrdf/surface.h>
 #include <miebrdf/table1.h>
 #include <miebrdf/transfer.h>
+#include <miebrdf/value_derivatives.h>
 #include <miebrdf/version.h>
 
 #endif
