@@ -25,8 +25,9 @@ void show_sphere();
 void show_surface();
 void show_table1();
 void show_transfer();
+void show_value_derivatives();
 
-inline constexpr std::array<std::pair<const char*, void (*)()>, 21> kExamples = {{
+inline constexpr std::array<std::pair<const char*, void (*)()>, 22> kExamples = {{
     {"brdf.h", show_brdf},
     {"brdf_source.h", show_brdf_source},
     {"colour.h", show_colour},
@@ -48,4 +49,5 @@ inline constexpr std::array<std::pair<const char*, void (*)()>, 21> kExamples = 
     {"surface.h", show_surface},
     {"table1.h", show_table1},
     {"transfer.h", show_transfer},
+    {"value_derivatives.h", show_value_derivatives},
 }};
