@@ -39,6 +39,8 @@ struct Job {
     std::vector<Direction> points = {};
     std::vector<Use> uses;
     int streams = 0;  ///< 0: chosen by the solver
+    /// The solver found no need of more than the intensity; it is not asked anew at each step.
+    bool takes_intensity_alone = false;
 
     bool is_scattered() const { return !points.empty(); }
 };

@@ -118,9 +118,11 @@ bool Model::choose_streams(std::span<const double> numbers) {
     bool more = false;
     for (Job& job : jobs_) {
         const int before = std::exchange(job.streams, 0);
+        const bool took_intensity_alone = std::exchange(job.takes_intensity_alone, false);
         const SolvedJob solved = solve_job(job, request(job, numbers), remembering(), {});
         job.streams = std::max(before, solved.streams);
-        more = more || job.streams > before;
+        job.takes_intensity_alone = solved.components == 1;
+        more = more || job.streams > before || (took_intensity_alone && !job.takes_intensity_alone);
     }
     return more;
 }

@@ -84,12 +84,14 @@ class JobSolver {
         solved_.values = column(with.values);
         for (const Values& derivative : with.derivatives)
             solved_.derivatives.push_back(column(derivative));
-        count_streams(with.values);
+        count_effort(with.values);
     }
 
-    void count_streams(const ResultReport& report) {
-        for (const WavelengthReport& at : report.wavelengths)
+    void count_effort(const ResultReport& report) {
+        for (const WavelengthReport& at : report.wavelengths) {
             solved_.streams = std::max(solved_.streams, at.solver.streams);
+            solved_.components = std::max(solved_.components, at.stokes);
+        }
     }
 
     WithDerivatives<AlbedoValues> albedo(const std::vector<double>& mu_in) const {
@@ -146,7 +148,7 @@ class JobSolver {
                 solved_.values.push_back(in_unit_of(use,
                                                     values[use.point * stride + use.wavelength],
                                                     sky ? &sky->values : nullptr));
-            count_streams(table.report());
+            count_effort(table.report());
             return;
         }
         const BrdfParts whole{.subsurface = false, .surface = false, .total = true};
@@ -186,6 +188,7 @@ Request request_of(const FitProblem& problem, const std::vector<Slot>& slots, co
     request.solver.tolerance = tolerance_of(problem);
     for (const TemplateWord& word : job.words) apply(word, text_of, request);
     if (request.solver.streams == 0) request.solver.streams = job.streams;
+    if (request.solver.stokes == 0 && job.takes_intensity_alone) request.solver.stokes = 1;
     return request;
 }
 

@@ -17,6 +17,7 @@ struct SolvedJob {
     std::vector<double> values;
     std::vector<std::vector<double>> derivatives;  ///< [name][use]
     int streams = 0;                               ///< most that the solver has used
+    int components = 1;                            ///< most, of light, that it has used
 };
 
 /// The scene of a job. @param names  of numbers that the scene is to know by their names

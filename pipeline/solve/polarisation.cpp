@@ -39,9 +39,6 @@ constexpr int kStreamsOfComparison = 12;
 constexpr std::size_t kMostCosinesCompared = 8, kMostAzimuthsCompared = 7;
 constexpr double kMargin = 1.5;
 
-/// Where stand-ins tell that polarisation shows, matrices of spheres beyond kLargestOwnMatrix are
-/// computed if they take no more than this (the least time of mie::matrix_seconds).
-constexpr double kMostMatrixSeconds = 0.1;
 /// Changes vary slowly with the wavelength: stand-ins are looked at at so many, and those between
 /// have the larger change of their neighbours.
 constexpr std::size_t kMostWavelengthsCompared = 8;
@@ -224,8 +221,8 @@ LightChoice choose_light(const LayerRequest& request, std::size_t w) {
     if (!why_not_below_any_boundary(request.scene, request.solver).empty()) return unknown;
     if (coarsest > kLargestOwnMatrix && why.empty()) {
         unknown.reason = fmt::format(
-            "size parameter {:.3g}: smaller spheres tell whether scattering "
-            "matrices are worth what they cost",
+            "size parameter {:.3g}: smaller spheres tell what leaving out "
+            "polarisation changes",
             coarsest);
     }
     unknown.needs_stand_ins = !unknown.reason.empty();
@@ -248,18 +245,6 @@ LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown
 }
 
 namespace {
-
-/// The least time that the matrices of all spheres take at one wavelength.
-double matrix_seconds(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand) {
-    double sum = 0.0;
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-        for (const ResolvedSpecies& species : scene.media[m].species) {
-            if (species.needs_mie() && polarises(species, w))
-                sum += matrix_seconds(species, w, demand);
-        }
-    }
-    return sum;
-}
 
 /// What stand-ins tell: LightChoice::needs_stand_ins.
 class StandIns {
@@ -287,7 +272,7 @@ class StandIns {
             const bool is_between = i > looked_at[k] && k < steps;
             const double change = is_between ? std::max(changes[k], changes[k + 1]) : changes[k];
             LightChoice& light = all[places[i]].light;
-            light = chosen(light, change, wavelengths[places[i]]);
+            light = chosen(light, change);
         }
     }
 
@@ -305,7 +290,7 @@ class StandIns {
         return changes;
     }
 
-    LightChoice chosen(const LightChoice& unknown, double change, std::size_t w) const {
+    LightChoice chosen(const LightChoice& unknown, double change) const {
         if (has_rough_boundary(request_.scene)) {
             return {.left_out = change,
                     .reason = fmt::format("{}; below a smooth one values would change by up to "
@@ -319,16 +304,11 @@ class StandIns {
                                       "spheres tell",
                                       change)};
         }
-        OpticsDemand own = demand_;
-        own.polarisation = true;
-        const double seconds = matrix_seconds(request_.scene, w, own);
-        const std::string shows = fmt::format(
-            "without it values would change by up to {:.1g}, as smaller spheres tell", change);
-        if (seconds <= kMostMatrixSeconds) return {.components = 3, .reason = shows};
         return {.left_out = change,
-                .reason = fmt::format("{}, but scattering matrices would take more than {:.1g} s "
+                .reason = fmt::format("without it values would change by up to {:.1g}, as smaller "
+                                      "spheres tell; scattering matrices of large ones take long "
                                       "(stokes 3 has them computed)",
-                                      shows, seconds)};
+                                      change)};
     }
 
     const LayerRequest& request_;

@@ -298,10 +298,10 @@ int main(int count, char** arguments) {
         "part,values,median_in_tolerances,p99_in_tolerances,percent_beyond_stated,"
         "percent_beyond_3_stated,worst_over_stated,seconds\n");
     for (const auto& [name, part] : parts) {
-        const bool is_wanted =
-            count == 2 || std::any_of(arguments + 2, arguments + count, [&](const char* word) {
-                return std::strcmp(word, name) == 0;
-            });
+        const bool is_wanted = count == 2 || std::any_of(arguments + 2, arguments + count,
+                                                         [wanted = name](const char* word) {
+                                                             return std::strcmp(word, wanted) == 0;
+                                                         });
         if (!is_wanted) continue;
         Tally tally;
         const auto began = std::clock();

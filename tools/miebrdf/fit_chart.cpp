@@ -116,6 +116,19 @@ Series& series_of(std::vector<Series>& all, const std::string& label) {
 
 }  // namespace
 
+void require_drawable(const FitProblem& problem) {
+    const bool has_any =
+        std::any_of(problem.data.begin(), problem.data.end(), [](const FitData& d) {
+            return std::any_of(d.values.begin(), d.values.end(), [](const MeasuredValue& value) {
+                return value.quantity != MeasuredQuantity::lab_l &&
+                       value.quantity != MeasuredQuantity::lab_a &&
+                       value.quantity != MeasuredQuantity::lab_b;
+            });
+        });
+    if (!has_any)
+        throw UsageError("a chart (--plot) needs spectra or directions; colours have neither");
+}
+
 plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
                        const plot::Caption& caption) {
     std::vector<Series> spectra, views;
@@ -173,8 +186,6 @@ plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
                           .height = 110.0});
     }
     add(spectra, {.label = "wavelength [nm]"}, "share of the light", "model - measured");
-    if (panels.empty())
-        throw UsageError("a chart needs spectra or directions; colours have neither");
     return plot::draw_chart(panels, caption);
 }
 

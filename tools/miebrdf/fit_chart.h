@@ -9,8 +9,10 @@ namespace miebrdf::program {
 
 /// Spectra over wavelength; without them single directions over the angle of view in the plane of
 /// incidence, one colour for each incidence. Residuals of all values below.
-/// @throws UsageError  where there is neither (colours alone)
 plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
                        const plot::Caption& caption);
+
+/// @throws UsageError  where there is nothing that draw_fit draws: colours alone
+void require_drawable(const FitProblem& problem);
 
 }  // namespace miebrdf::program

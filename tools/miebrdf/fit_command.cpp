@@ -292,6 +292,7 @@ void add_fit(CLI::App& command, Shell& shell) {
                                          : read_fit_file(arguments->file);
         if (arguments->starts > 0) problem.starts = arguments->starts;
         complete(problem);
+        if (!arguments->chart_file.empty()) require_drawable(problem);
         return [problem, arguments, &shell] { return run_fit(problem, *arguments, shell); };
     });
 }
