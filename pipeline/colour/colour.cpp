@@ -94,8 +94,9 @@ std::vector<Share> interpolation_at(const std::vector<double>& x, double nm, Bet
 
 template <typename Value>
 std::vector<Value> chosen(const std::vector<Value>& all, const std::vector<std::size_t>& places) {
-    std::vector<Value> some;
-    for (const std::size_t i : places) some.push_back(all[i]);
+    std::vector<Value> some(places.size());
+    std::transform(places.begin(), places.end(), some.begin(),
+                   [&](std::size_t i) { return all[i]; });
     return some;
 }
 

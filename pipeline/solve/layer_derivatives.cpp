@@ -248,6 +248,7 @@ std::vector<std::vector<LayerSlice>> layer_derivatives(const LayerRequest& reque
     for (std::size_t w = 0; w < values.size(); ++w)
         shared[derivatives_key(reduced, changes, w)].push_back(w);
     std::vector<const std::vector<std::size_t>*> jobs;
+    jobs.reserve(shared.size());
     for (const auto& [key, wavelengths] : shared) jobs.push_back(&wavelengths);
     run_parallel("derivatives", jobs.size(), control, [&](std::size_t job) {
         const std::vector<std::size_t>& wavelengths = *jobs[job];
