@@ -67,8 +67,8 @@ struct WavelengthReport {
     double mie_error_estimate = 0.0;  ///< of the size averages, largest of the media
     PhaseNoise phase_noise;           ///< of single directions; not in error_estimate
     int stokes = 1;                   ///< components of light that were computed: 1, 3 or 4
-    /// Bound on the relative changes by leaving polarisation out (docs/polarisation.md); 0: none.
-    /// Not in error_estimate.
+    /// Estimate of the relative changes by leaving polarisation out (docs/polarisation.md); 0:
+    /// none. Not in error_estimate.
     double polarisation_left_out = 0.0;
     double error_estimate = 0.0;  ///< of single scattering and transfer together
     bool converged = false;       ///< error_estimate <= tolerance, and every step says so
