@@ -15,7 +15,6 @@
 #include "mie/ensemble/phase_table.h"
 #include "mie/ensemble/size_passes.h"
 #include "mie/ensemble/spheroid_average.h"
-#include "rte/math/legendre.h"
 #include "rte/math/matrix_series.h"
 #include "rte/math/quadrature.h"
 
@@ -69,13 +68,7 @@ PhaseTable table_of(const std::vector<double>& chi, const Eigen::ArrayXd& noise,
     PhaseTable::Parts parts;
     for (int p = 0; p < panels; ++p) parts.edges.push_back(p * width);
     parts.edges.push_back(std::numbers::pi);
-    Eigen::MatrixXd values(PhaseTable::kPanelNodes, panels);
-    for (int p = 0; p < panels; ++p) {
-        const std::vector<double> nodes =
-            panel_nodes(parts.edges[std::size_t(p)], parts.edges[std::size_t(p) + 1]);
-        for (int i = 0; i < PhaseTable::kPanelNodes; ++i)
-            values(i, p) = math::legendre_series(chi, std::cos(nodes[std::size_t(i)]));
-    }
+    const Eigen::MatrixXd values = series_on_panels(chi, parts.edges);
     for (int p = 0; p < panels && noise.size() > 0; ++p) {
         const double first = (p - MatrixRule::kNoisePanels) * width;
         const double last = (p + 1 + MatrixRule::kNoisePanels) * width;

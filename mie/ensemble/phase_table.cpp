@@ -8,6 +8,7 @@
 
 #include <miebrdf/error.h>
 #include "mie/sphere/vectors.h"
+#include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
@@ -124,6 +125,21 @@ std::vector<double> panel_nodes(double lower, double upper) {
     nodes.front() = lower;
     nodes.back() = upper;
     return nodes;
+}
+
+Eigen::MatrixXd series_on_panels(std::span<const double> chi, const std::vector<double>& edges) {
+    const auto panels = static_cast<Eigen::Index>(edges.size()) - 1;
+    Eigen::VectorXd cosines(kNodes * panels);
+    for (Eigen::Index panel = 0; panel < panels; ++panel) {
+        const std::vector<double> nodes =
+            panel_nodes(edges[std::size_t(panel)], edges[std::size_t(panel) + 1]);
+        for (int i = 0; i < kNodes; ++i)
+            cosines[panel * kNodes + i] = std::cos(nodes[std::size_t(i)]);
+    }
+    Eigen::MatrixXd weights(1, Eigen::Index(chi.size()));
+    for (Eigen::Index l = 0; l < weights.cols(); ++l)
+        weights(0, l) = (2.0 * double(l) + 1.0) * chi[std::size_t(l)];
+    return math::legendre_sums(weights, cosines).reshaped(kNodes, panels);
 }
 
 // c_k = 2/N sum'' f_i cos(pi k i / N), N = kPanelNodes - 1; first and last terms, and c_0 and c_N,

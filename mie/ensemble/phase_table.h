@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include <miebrdf/ensemble.h>
@@ -11,6 +12,9 @@ namespace miebrdf::mie {
 /// Angles in radians of the nodes of a panel, ascending from lower to upper: Chebyshev points with
 /// both ends.
 std::vector<double> panel_nodes(double lower, double upper);
+
+/// sum_l (2l + 1) chi_l P_l at those nodes, one column per panel between the edges (radians).
+Eigen::MatrixXd series_on_panels(std::span<const double> chi, const std::vector<double>& edges);
 
 /// Chebyshev coefficients from the values at those nodes.
 Eigen::VectorXd panel_coefficients(const Eigen::VectorXd& values);

@@ -174,16 +174,12 @@ class SpheroidAverage {
         PhaseTable::Parts parts;
         parts.noise_floor = 1.0;
         for (int i = 0; i <= panels; ++i) parts.edges.push_back(std::numbers::pi * i / panels);
-        Eigen::MatrixXd values(PhaseTable::kPanelNodes, panels);
+        const Eigen::MatrixXd values = series_on_panels(chi, parts.edges);
         for (int panel = 0; panel < panels; ++panel) {
             const std::vector<double> nodes =
                 panel_nodes(parts.edges[std::size_t(panel)], parts.edges[std::size_t(panel) + 1]);
             double error = 0;
-            for (int i = 0; i < PhaseTable::kPanelNodes; ++i) {
-                const double x = std::cos(nodes[std::size_t(i)]);
-                values(i, panel) = math::legendre_series(chi, x);
-                error = std::max(error, phase_error(x));
-            }
+            for (const double theta : nodes) error = std::max(error, phase_error(std::cos(theta)));
             const double brightest = values.col(panel).maxCoeff();
             parts.noise.push_back(error / std::max(brightest, parts.noise_floor));
             parts.size_error = std::max(parts.size_error, error / brightest);
