@@ -1,4 +1,4 @@
-// The difference of two averages over the same radii.
+// Differences of averages over the same radii.
 #include <miebrdf/ensemble.h>
 
 #include <Eigen/Core>
@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "mie/ensemble/changed_sums.h"
 #include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/matrix_average.h"
 #include "mie/ensemble/moment_transform.h"
@@ -18,6 +19,8 @@
 #include "mie/ensemble/ray_average.h"
 #include "mie/ensemble/size_passes.h"
 #include "mie/sizes/size_law.h"
+#include "mie/sizes/size_nodes.h"
+#include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
 namespace {
@@ -29,6 +32,12 @@ struct DifferenceRule {
     static constexpr int kTimesAsManySizes = 2;
     /// Sizes at most; where there are angles, as many as take about a second.
     static constexpr int kMostSizes = 8192, kMostSmooth = 512;
+    static constexpr double kSeconds = 0.5;
+    /// Products in single precision, as in averages.
+    static constexpr double kLeastSingleTolerance = 1e-7;
+    /// A sharp end is spread over a period of interference, or so many of ripple, to both sides,
+    /// but over no more than this share of its radius.
+    static constexpr double kPeriods = 4, kSizesPerPeriod = 2.5, kWidest = 0.01;
     /// Averages over rays are smooth in every number, but of products in single precision: so many
     /// times the step, whose second order is then below 1e-5.
     static constexpr double kRaySteps = 100;
@@ -38,16 +47,18 @@ struct DifferenceRule {
 struct Radii {
     Rule rule;
     std::vector<double> radius_um, length_um;
+    double absorption_error = 0.0;  ///< relative, as the last pass changed it
 };
 
 /// As many as efficiencies need.
 Radii radii_of(const EnsembleRequest& request, double most, const Executor& run) {
     const Ensemble ensemble = ensemble_of(request);
     SizePasses passes(ensemble);
-    if (passes.rule() == Rule::single) return {Rule::single, {ensemble.range.largest_um}, {1.0}};
+    if (passes.rule() == Rule::single)
+        return {Rule::single, {ensemble.range.largest_um}, {1.0}, 0.0};
     SizeSumOptions options;
     options.terms = ensemble.terms();
-    double before = 0.0, error = 1.0;
+    double before = 0.0, absorbed = 0.0, absorption_error = 1.0, error = 1.0;
     while (true) {
         const SizeSums& sums = passes.add(options, run);
         const double q_ext = 2 * (sums.spheres.scattered + sums.spheres.absorbed) / ensemble.share;
@@ -56,6 +67,8 @@ Radii radii_of(const EnsembleRequest& request, double most, const Executor& run)
         const double missed = exact > 0 ? std::abs(q_ext / exact - 1) : change;
         error = passes.is_first() ? 1.0 : passes.error(change, missed, 0.25, 0.0, 1e-13);
         before = q_ext;
+        const double last = std::exchange(absorbed, sums.spheres.absorbed);
+        if (last > 0.0 && absorbed > 0.0) absorption_error = std::abs(std::log(absorbed / last));
         if (error <= request.tolerance || passes.sizes_so_far() >= most || !passes.refine()) break;
     }
     const bool is_smooth = passes.rule() == Rule::smooth;
@@ -66,78 +79,115 @@ Radii radii_of(const EnsembleRequest& request, double most, const Executor& run)
     const SizeNodes nodes = is_smooth ? smooth_size_nodes(request.sizes, ensemble.range, count)
                                       : even_size_nodes(request.sizes, ensemble.range, count, 0.5);
     const auto density = area_density(request.sizes);
-    Radii radii{passes.rule(), nodes.radius_um, {}};
+    Radii radii{passes.rule(), nodes.radius_um, {}, absorption_error};
     for (std::size_t i = 0; i < nodes.radius_um.size(); ++i)
         radii.length_um.push_back(nodes.area_share[i] / density->at(nodes.radius_um[i]));
     return radii;
 }
 
-/// The sums of one of the two requests.
-class OneSide {
+/// Radii around a sharp end of a law, by which what it gains there is told: the end alone where
+/// spheres are smooth in size; else as many as see all phases of ripple and interference, with
+/// the weights of a difference that is as wide and has no edges.
+SizeNodes nodes_at_end(const Ensemble& ensemble, double end_um, Rule rule) {
+    if (rule != Rule::even) return {{end_um}, {1.0}};
+    const double period = ensemble.scatterer.ripple_period(),
+                 x = ensemble.wave_number_per_um * end_um;
+    const double interference =
+        std::numbers::pi / std::max(std::abs(ensemble.scatterer.n() - 1), 1e-3);
+    const double half = std::min(std::max(interference, DifferenceRule::kPeriods * period),
+                                 DifferenceRule::kWidest * x);
+    const int count = std::max(3, int(2 * half * DifferenceRule::kSizesPerPeriod / period));
+    SizeNodes nodes;
+    for (int i = 0; i < count; ++i) {
+        const double t = (i + 0.5) / count;
+        nodes.radius_um.push_back(end_um * (1 + half / x * (2 * t - 1)));
+        nodes.area_share.push_back((1 - std::cos(2 * std::numbers::pi * t)) / count);
+    }
+    return nodes;
+}
+
+/// The spheres of all requests at the same radii, and what laws gain at their ends.
+class FixedRadii {
   public:
-    OneSide(const EnsembleRequest& request, const Ensemble& middle, const Radii& radii,
-            const SizeSumOptions& options, const Executor& run)
-        : ensemble_(ensemble_of(request)), share_(middle.share) {
-        SizeNodes nodes{radii.radius_um, {}};
-        if (radii.rule == Rule::single) {
-            nodes = {{ensemble_.range.largest_um}, {1.0}};
-        } else {
-            const auto density = area_density(request.sizes);
-            for (std::size_t i = 0; i < radii.radius_um.size(); ++i)
-                nodes.area_share.push_back(radii.length_um[i] * density->at(radii.radius_um[i]));
+    FixedRadii(const EnsembleRequest& middle, const Radii& radii)
+        : ensemble_(ensemble_of(middle)),
+          radii_(radii),
+          has_ends_(radii.rule != Rule::single && ensemble_.law().has_ends) {
+        for (std::size_t i = 0; i < radii.radius_um.size(); ++i)
+            places_.push_back({radii.radius_um[i], radii.length_um[i], 0.0, 0.0});
+        if (has_ends_) {
+            const auto add = [&](double end_um, double Place::*share) {
+                const SizeNodes nodes = nodes_at_end(ensemble_, end_um, radii.rule);
+                for (std::size_t i = 0; i < nodes.radius_um.size(); ++i) {
+                    Place& place = places_.emplace_back(Place{nodes.radius_um[i], 0.0, 0.0, 0.0});
+                    place.*share = nodes.area_share[i];
+                }
+            };
+            add(ensemble_.range.smallest_um, &Place::of_smallest);
+            add(ensemble_.range.largest_um, &Place::of_largest);
+            std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
+                return a.radius_um < b.radius_um;
+            });
         }
-        sums_ = sums_at(nodes, options, run);
-        if (radii.rule != Rule::single && ensemble_.law().has_ends) {
-            add_end(middle.range.largest_um, ensemble_.range.largest_um - middle.range.largest_um,
-                    options, run);
-            add_end(middle.range.smallest_um,
-                    middle.range.smallest_um - ensemble_.range.smallest_um, options, run);
-        }
-        q_sca_ = 2 * sums_.spheres.scattered / share_;
-        q_abs_ = 2 * sums_.spheres.absorbed / share_;
-        q_ext_ = q_sca_ + q_abs_;
-        if (radii.rule != Rule::even || !ensemble_.law().analytic ||
-            !ensemble_.scatterer.is_plain())
-            return;
-        q_ext_ = exact_extinction(ensemble_, run) / ensemble_.share;
-        q_sca_ = q_ext_ - q_abs_;
     }
 
-    const SizeSums& sums() const { return sums_; }
-    double q_ext() const { return q_ext_; }
-    double one_minus_albedo() const { return q_abs_ / q_ext_; }
-    double albedo() const { return q_sca_ / q_ext_; }
-    double asymmetry() const { return 2 * sums_.spheres.asymmetric / sums_.spheres.scattered; }
-    /// P at the angles of the sums.
-    Eigen::VectorXd phase() const { return sums_.intensity / (2 * sums_.spheres.scattered); }
+    std::vector<double> radius_um() const {
+        std::vector<double> all;
+        for (const Place& place : places_) all.push_back(place.radius_um);
+        return all;
+    }
+
+    SpheresAtRadii spheres(const EnsembleRequest& request) const {
+        const Ensemble own = ensemble_of(request);
+        SpheresAtRadii at{own.scatterer, own.wave_number_per_um, {}};
+        if (radii_.rule == Rule::single) {
+            at.x_per_um *= own.range.largest_um / ensemble_.range.largest_um;
+            at.area_share = {1.0};
+            return at;
+        }
+        const auto density = area_density(request.sizes);
+        const auto gained = [&](double end_um, double by_um) {
+            return by_um == 0.0 ? 0.0 : by_um * density->at(end_um);
+        };
+        const RadiusRange &range = ensemble_.range, &other = own.range;
+        const double above =
+            has_ends_ ? gained(range.largest_um, other.largest_um - range.largest_um) : 0.0;
+        const double below =
+            has_ends_ ? gained(range.smallest_um, range.smallest_um - other.smallest_um) : 0.0;
+        for (const Place& place : places_) {
+            const double inside =
+                place.length_um > 0.0 ? place.length_um * density->at(place.radius_um) : 0.0;
+            at.area_share.push_back(inside + above * place.of_largest + below * place.of_smallest);
+        }
+        return at;
+    }
+
+    SpheresChange change(const EnsembleChange& of) const {
+        SpheresChange change{spheres(of.plus), spheres(of.minus), false};
+        const auto numbers = [](const SpheresAtRadii& s) {
+            std::vector<double> all{s.x_per_um, s.scatterer.relative_index.real(),
+                                    s.scatterer.relative_index.imag()};
+            for (const Scatterer::Coating& c : s.scatterer.coatings)
+                all.insert(all.end(), {c.relative_index.real(), c.relative_index.imag(),
+                                       c.thickness, c.share});
+            return all;
+        };
+        change.spheres_differ = numbers(change.plus) != numbers(change.minus);
+        return change;
+    }
+
+    const Ensemble& ensemble() const { return ensemble_; }
 
   private:
-    SizeSums sums_at(const SizeNodes& nodes, const SizeSumOptions& options,
-                     const Executor& run) const {
-        return sum_over_sizes(ensemble_.scatterer,
-                              WeightedSizes(nodes, ensemble_.wave_number_per_um), options, run);
-    }
-
-    /// Adds the spheres that the law gains (or loses) where it ends a little farther out.
-    void add_end(double radius_um, double gained_um, const SizeSumOptions& options,
-                 const Executor& run) {
-        if (gained_um == 0.0) return;
-        const double share = std::abs(gained_um) * area_density(ensemble_.sizes)->at(radius_um);
-        SizeSums end = sums_at({{radius_um}, {share}}, options, run);
-        if (gained_um < 0.0) end.scale(-1.0);
-        sums_.add(end);
-    }
+    struct Place {
+        double radius_um, length_um, of_smallest, of_largest;
+    };
 
     Ensemble ensemble_;
-    double share_;
-    SizeSums sums_;
-    double q_sca_ = 0, q_abs_ = 0, q_ext_ = 0;
+    const Radii& radii_;
+    bool has_ends_;
+    std::vector<Place> places_ = {};
 };
-
-std::vector<double> difference(std::vector<double> a, const std::vector<double>& b) {
-    for (std::size_t k = 0; k < a.size(); ++k) a[k] -= b[k];
-    return a;
-}
 
 /// All panel nodes, panel by panel, in degrees.
 std::vector<double> angles_of(const PhaseTable& table) {
@@ -173,26 +223,30 @@ EnsembleRequest farther(const EnsembleRequest& middle, const EnsembleRequest& si
     return result;
 }
 
-/// Where averages are over rays, as those of large spheres of many sizes: no sphere is needed.
-/// Nothing where they are not, or where only one side is possible and so large a step errs.
-std::optional<EnsembleDifference> difference_of_rays(const EnsembleRequest& middle,
-                                                     const EnsembleRequest& plus,
-                                                     const EnsembleRequest& minus,
-                                                     const DifferenceDemand& demand,
-                                                     const Executor& run) {
+/// Whether both sides of a change differ from the middle: with one alone so large a step errs.
+bool has_room(const EnsembleRequest& middle, const EnsembleChange& change) {
     const auto numbers = [](const EnsembleRequest& one) {
         return std::array{one.sizes.effective_radius_um, one.sizes.effective_variance,
                           one.refractive_index.real(), one.refractive_index.imag(), one.host_index};
     };
+    return numbers(change.plus) != numbers(middle) && numbers(change.minus) != numbers(middle);
+}
+
+/// Where averages are over rays, as those of large spheres of many sizes: no sphere is needed.
+/// Nothing where they are not.
+std::optional<EnsembleDifference> difference_of_rays(const EnsembleRequest& middle,
+                                                     const EnsembleChange& change,
+                                                     const DifferenceDemand& demand,
+                                                     const Executor& run) {
     if (demand.matrix_degree >= 0 || demand.phase_table != nullptr ||
-        demand.highest_moment > AverageLimits::kMostBandWidth || numbers(plus) == numbers(middle) ||
-        numbers(minus) == numbers(middle))
+        demand.highest_moment > AverageLimits::kMostBandWidth || !has_room(middle, change))
         return std::nullopt;
     const auto average = [&](const EnsembleRequest& request) {
         return average_over_rays(ensemble_of(request), std::max(1, demand.highest_moment),
                                  middle.tolerance, run);
     };
-    const auto a = average(farther(middle, plus)), b = average(farther(middle, minus));
+    const auto a = average(farther(middle, change.plus)),
+               b = average(farther(middle, change.minus));
     if (!a || !b || a->size_nodes != b->size_nodes) return std::nullopt;
     const auto slope = [](double above, double below) {
         return (above - below) / DifferenceRule::kRaySteps;
@@ -208,59 +262,142 @@ std::optional<EnsembleDifference> difference_of_rays(const EnsembleRequest& midd
     return result;
 }
 
-}  // namespace
-
-EnsembleDifference difference_of_averages(const EnsembleRequest& middle,
-                                          const EnsembleRequest& plus, const EnsembleRequest& minus,
-                                          const DifferenceDemand& demand, const Executor& run) {
-    for (const EnsembleRequest* request : {&middle, &plus, &minus}) {
-        validate(*request);
-        if (request->aspect) throw UsageError("derivatives by sizes and indices are of spheres");
+/// What is asked of all changes, at fixed radii.
+class DifferenceSums {
+  public:
+    DifferenceSums(const EnsembleRequest& middle, const DifferenceDemand& demand, int terms,
+                   const Executor& run)
+        : middle_(middle), demand_(demand), run_(run) {
+        options_.terms = terms;
+        options_.with_matrix = demand.matrix_degree >= 0;
+        if (options_.with_matrix) {
+            rule_ = math::gauss_legendre(matrix_nodes(terms, demand.matrix_degree));
+        } else if (demand.phase_table != nullptr) {
+            angles_deg_ = angles_of(*demand.phase_table);
+        }
+        // Beyond the band moments are those of the panels.
+        from_table_ =
+            demand.phase_table != nullptr && demand.highest_moment > AverageLimits::kMostBandWidth;
+        if (demand.highest_moment >= 2 && !options_.with_matrix)
+            options_.band_width =
+                from_table_ ? AverageLimits::kSafeBandWidth : demand.highest_moment;
+        const double angles = double(std::max(rule_.nodes.size(), angles_deg_.size()));
+        most_sizes_ = angles > 0 ? DifferenceRule::kSeconds * AverageLimits::kProductsPerSecond /
+                                       (4.0 * terms * angles)
+                                 : DifferenceRule::kMostSizes;
     }
-    const Executor pieces = flushing(run);
-    if (auto rays = difference_of_rays(middle, plus, minus, demand, pieces)) return *rays;
-    const Ensemble ensemble = ensemble_of(middle);
-    SizeSumOptions options;
-    options.terms =
-        std::max({ensemble.terms(), ensemble_of(plus).terms(), ensemble_of(minus).terms()});
 
-    std::optional<AngularFunctions> angles;
-    math::Quadrature rule;
-    if (demand.matrix_degree >= 0) {
-        rule = math::gauss_legendre(matrix_nodes(options.terms, demand.matrix_degree));
-        angles.emplace(
-            Eigen::Map<const Eigen::ArrayXd>(rule.nodes.data(), Eigen::Index(rule.nodes.size())),
-            options.terms, pieces);
-        options.with_matrix = true;
-    } else if (demand.phase_table != nullptr) {
-        angles.emplace(angles_of(*demand.phase_table), options.terms, pieces);
-    }
-    if (angles) options.angles = &*angles;
-    // Beyond the band moments are those of the panels.
-    const bool from_table =
-        demand.phase_table != nullptr && demand.highest_moment > AverageLimits::kMostBandWidth;
-    if (demand.highest_moment >= 2 && demand.matrix_degree < 0)
-        options.band_width = from_table ? AverageLimits::kSafeBandWidth : demand.highest_moment;
-
-    const double per_size = 4.0 * options.terms * (angles ? angles->angle_count() : 0);
-    const double most =
-        per_size > 0 ? AverageLimits::kProductsPerSecond / per_size : DifferenceRule::kMostSizes;
-    const Radii radii = radii_of(middle, most, pieces);
-    const OneSide a(plus, ensemble, radii, options, pieces),
-        b(minus, ensemble, radii, options, pieces);
-
-    EnsembleDifference result;
-    result.single_scattering_albedo = a.albedo() - b.albedo();
-    result.one_minus_albedo = a.one_minus_albedo() - b.one_minus_albedo();
-    result.q_ext = a.q_ext() - b.q_ext();
-    result.asymmetry = a.asymmetry() - b.asymmetry();
-    if (demand.matrix_degree >= 0) {
-        const auto series = [&](const OneSide& side) -> Eigen::MatrixXd {
-            const Eigen::MatrixXd rows = matrix_series_of(
-                side.sums().products, side.sums().spheres.scattered, rule, demand.matrix_degree);
-            return rows / rows(0, 0);
+    std::vector<EnsembleDifference> of(const std::vector<EnsembleChange>& changes) {
+        const Radii radii = radii_of(middle_, most_sizes_, run_);
+        const FixedRadii fixed(middle_, radii);
+        std::vector<SpheresChange> spheres;
+        for (const EnsembleChange& change : changes) spheres.push_back(fixed.change(change));
+        const bool in_single = radii.rule == Rule::even && !options_.with_matrix &&
+                               middle_.tolerance >= DifferenceRule::kLeastSingleTolerance;
+        sums_ = in_single ? sums<float>(fixed, spheres) : sums<double>(fixed, spheres);
+        if (options_.band_width >= 0) transform_.emplace(options_.terms, options_.band_width);
+        const Ensemble& ensemble = fixed.ensemble();
+        const bool knows_extinction =
+            radii.rule == Rule::even && ensemble.law().analytic && ensemble.scatterer.is_plain();
+        const auto exact = [&](const EnsembleRequest& request) {
+            const Ensemble own = ensemble_of(request);
+            return exact_extinction(own, run_) / own.share;
         };
-        const Eigen::MatrixXd change = series(a) - series(b);
+        const double factor = 2 / ensemble.share;
+        q_abs_ = factor * sums_.middle.spheres.absorbed;
+        // As in averages: what is absorbed in resonances between the sizes.
+        std::optional<RayAbsorption> rays;
+        if (radii.rule == Rule::even) rays = absorption_by_rays(ensemble, run_);
+        if (rays && !(rays->error < radii.absorption_error)) rays.reset();
+        if (rays) q_abs_ = rays->q_abs;
+        q_ext_ =
+            knows_extinction ? exact(middle_) : q_abs_ + factor * sums_.middle.spheres.scattered;
+        std::vector<EnsembleDifference> all;
+        for (std::size_t c = 0; c < changes.size(); ++c) {
+            const SphereSums& more = sums_.differences[c].spheres;
+            // A single end has the ripple that its neighbours smooth.
+            const bool is_exact =
+                knows_extinction && (spheres[c].spheres_differ || !ensemble.law().has_ends);
+            const double q_ext = is_exact ? exact(changes[c].plus) - exact(changes[c].minus)
+                                          : factor * (more.scattered + more.absorbed);
+            const auto q_abs = rays ? absorbed_by_rays(changes[c]) : std::nullopt;
+            all.push_back(
+                difference(sums_.differences[c], q_abs.value_or(factor * more.absorbed), q_ext));
+        }
+        return all;
+    }
+
+  private:
+    template <typename Scalar>
+    ChangedSums sums(const FixedRadii& fixed, const std::vector<SpheresChange>& changes) const {
+        std::optional<AngularFunctionsOf<Scalar>> angles;
+        if (options_.with_matrix) {
+            angles.emplace(Eigen::Map<const Eigen::ArrayXd>(rule_.nodes.data(),
+                                                            Eigen::Index(rule_.nodes.size())),
+                           options_.terms, run_);
+        } else if (!angles_deg_.empty()) {
+            angles.emplace(angles_deg_, options_.terms, run_);
+        }
+        return sums_with_changes<Scalar>(fixed.radius_um(), fixed.spheres(middle_), changes,
+                                         options_, angles ? &*angles : nullptr, run_);
+    }
+
+    std::optional<double> absorbed_by_rays(const EnsembleChange& change) const {
+        if (!has_room(middle_, change)) return std::nullopt;
+        const auto rays = [&](const EnsembleRequest& side) {
+            return absorption_by_rays(ensemble_of(farther(middle_, side)), run_);
+        };
+        const auto a = rays(change.plus), b = rays(change.minus);
+        if (!a || !b) return std::nullopt;
+        return (a->q_abs - b->q_abs) / DifferenceRule::kRaySteps;
+    }
+
+    EnsembleDifference difference(const SizeSums& more, double q_abs, double q_ext) const {
+        const SphereSums& whole = sums_.middle.spheres;
+        const double gain = more.spheres.scattered / whole.scattered;
+        EnsembleDifference result;
+        result.one_minus_albedo = (q_abs - q_abs_ / q_ext_ * q_ext) / q_ext_;
+        result.single_scattering_albedo = -result.one_minus_albedo;
+        result.q_ext = q_ext;
+        result.asymmetry =
+            2 * (more.spheres.asymmetric - gain * whole.asymmetric) / whole.scattered;
+        if (options_.with_matrix) {
+            put_matrix(more, result);
+            return result;
+        }
+        if (demand_.phase_table != nullptr) {
+            const auto intensity = [](const SizeSums& sums) {
+                return (sums.products.col(0) + sums.products.col(1)).matrix().eval();
+            };
+            result.phase_table =
+                table_of((intensity(more) - gain * intensity(sums_.middle)) / (2 * whole.scattered),
+                         *demand_.phase_table);
+        }
+        if (demand_.highest_moment >= 0) result.chi.push_back(0.0);
+        if (demand_.highest_moment == 1) result.chi.push_back(result.asymmetry);
+        if (!transform_) return result;
+        const std::vector<double> all = (*transform_)(sums_.middle.covariance, run_);
+        result.chi = (*transform_)(more.covariance, run_);
+        const double of_whole = result.chi[0] / all[0];
+        for (std::size_t l = 0; l < all.size(); ++l)
+            result.chi[l] = (result.chi[l] - of_whole * all[l]) / all[0];
+        if (from_table_) {
+            const std::vector<double> moments =
+                result.phase_table->moments(demand_.highest_moment, run_);
+            result.chi.insert(result.chi.end(), moments.begin() + Eigen::Index(result.chi.size()),
+                              moments.end());
+        }
+        return result;
+    }
+
+    void put_matrix(const SizeSums& more, EnsembleDifference& result) const {
+        const double scattered = sums_.middle.spheres.scattered;
+        const auto series = [&](const SizeSums& sums) {
+            return matrix_series_of(sums.products, scattered, rule_, demand_.matrix_degree);
+        };
+        const Eigen::MatrixXd middle = series(sums_.middle);
+        Eigen::MatrixXd change = series(more);
+        change = ((change - change(0, 0) / middle(0, 0) * middle) / middle(0, 0)).eval();
         const auto list = [&](int column, bool with_factor) {
             std::vector<double> values;
             for (Eigen::Index l = 0; l < change.rows(); ++l)
@@ -270,27 +407,60 @@ EnsembleDifference difference_of_averages(const EnsembleRequest& middle,
         result.chi = list(0, false);
         result.expansion = {list(2, true), list(3, true), list(1, true), list(4, true),
                             list(5, true)};
-        return result;
     }
-    if (demand.phase_table != nullptr)
-        result.phase_table = table_of(a.phase() - b.phase(), *demand.phase_table);
-    if (demand.highest_moment >= 0) result.chi.push_back(0.0);
-    if (demand.highest_moment == 1) result.chi.push_back(result.asymmetry);
-    if (options.band_width < 0) return result;
-    const MomentTransform transform(options.terms, options.band_width);
-    const auto moments = [&](const OneSide& side) {
-        std::vector<double> chi = transform(side.sums().covariance, pieces);
-        const double whole = chi[0];
-        for (double& one : chi) one /= whole;
-        return chi;
+
+    const EnsembleRequest& middle_;
+    const DifferenceDemand& demand_;
+    const Executor& run_;
+    SizeSumOptions options_ = {};
+    math::Quadrature rule_ = {};
+    std::vector<double> angles_deg_ = {};
+    bool from_table_ = false;
+    double most_sizes_ = 0;
+    ChangedSums sums_ = {};
+    std::optional<MomentTransform> transform_ = {};
+    double q_abs_ = 0, q_ext_ = 0;
+};
+
+}  // namespace
+
+std::vector<EnsembleDifference> differences_of_averages(const EnsembleRequest& middle,
+                                                        const std::vector<EnsembleChange>& changes,
+                                                        const DifferenceDemand& demand,
+                                                        const Executor& run) {
+    const auto require = [](const EnsembleRequest& request) {
+        validate(request);
+        if (request.aspect) throw UsageError("derivatives by sizes and indices are of spheres");
     };
-    result.chi = difference(moments(a), moments(b));
-    if (from_table) {
-        const std::vector<double> all = result.phase_table->moments(demand.highest_moment, pieces);
-        result.chi.insert(result.chi.end(), all.begin() + Eigen::Index(result.chi.size()),
-                          all.end());
+    require(middle);
+    const Executor pieces = flushing(run);
+    // Sizes around a sharp end are a little larger.
+    const auto terms_of_largest = [](const EnsembleRequest& request) {
+        const Ensemble own = ensemble_of(request);
+        const double beyond = own.law().has_ends ? DifferenceRule::kWidest : 0.0;
+        return own.scatterer.terms((1 + beyond) * own.largest_x());
+    };
+    int terms = terms_of_largest(middle);
+    std::vector<EnsembleDifference> all(changes.size());
+    std::vector<EnsembleChange> by_spheres;
+    std::vector<std::size_t> places;
+    for (std::size_t c = 0; c < changes.size(); ++c) {
+        for (const EnsembleRequest* side : {&changes[c].plus, &changes[c].minus}) {
+            require(*side);
+            terms = std::max(terms, terms_of_largest(*side));
+        }
+        if (auto rays = difference_of_rays(middle, changes[c], demand, pieces)) {
+            all[c] = std::move(*rays);
+        } else {
+            by_spheres.push_back(changes[c]);
+            places.push_back(c);
+        }
     }
-    return result;
+    if (by_spheres.empty()) return all;
+    std::vector<EnsembleDifference> others =
+        DifferenceSums(middle, demand, terms, pieces).of(by_spheres);
+    for (std::size_t i = 0; i < places.size(); ++i) all[places[i]] = std::move(others[i]);
+    return all;
 }
 
 }  // namespace miebrdf::mie

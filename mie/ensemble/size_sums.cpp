@@ -309,23 +309,42 @@ void AngularFunctionsOf<Scalar>::add_forms(double weight, const TriangularForm<S
 }
 
 template <typename Scalar>
+typename AngularFunctionsOf<Scalar>::Amplitudes AngularFunctionsOf<Scalar>::amplitudes(
+    const SphereBlockOf<Scalar>& block) const {
+    return {amplitudes(plus_, block, block.U), amplitudes(minus_, block, block.V)};
+}
+
+template <typename Scalar>
+void AngularFunctionsOf<Scalar>::add_products(
+    const Amplitudes& one, const Amplitudes& other,
+    const Eigen::Array<Scalar, 1, Eigen::Dynamic>& factors, Eigen::ArrayXXd& products) {
+    const Eigen::Index size = one.sum.cols() / 2;
+    const auto dot = [&](const Waves& a, Eigen::Index of_a, const Waves& b, Eigen::Index of_b) {
+        const auto product = a.middleCols(of_a, size).cwiseProduct(b.middleCols(of_b, size));
+        Eigen::Array<Scalar, Eigen::Dynamic, 1> sums;
+        if (factors.size() == 0) {
+            sums = product.rowwise().sum();
+        } else {
+            sums = product * factors.matrix().transpose();
+        }
+        return sums.template cast<double>().eval();
+    };
+    const auto real = [&](const Waves& a, const Waves& b) -> Eigen::ArrayXd {
+        return dot(a, 0, b, 0) + dot(a, size, b, size);
+    };
+    products.col(0) += real(one.sum, other.sum);
+    products.col(1) += real(one.difference, other.difference);
+    if (products.cols() == 2) return;
+    products.col(2) += real(one.sum, other.difference);
+    products.col(3) +=
+        dot(one.sum, size, other.difference, 0) - dot(one.sum, 0, other.difference, size);
+}
+
+template <typename Scalar>
 void AngularFunctionsOf<Scalar>::add_products(const SphereBlockOf<Scalar>& block,
                                               Eigen::ArrayXXd& products) const {
-    const int size = block.size;
-    const Waves sum = amplitudes(plus_, block, block.U);
-    const Waves difference = amplitudes(minus_, block, block.V);
-    const auto dot = [&](const Waves& a, int of_a, const Waves& b, int of_b) {
-        return a.middleCols(of_a, size)
-            .cwiseProduct(b.middleCols(of_b, size))
-            .rowwise()
-            .sum()
-            .template cast<double>()
-            .array();
-    };
-    products.col(0) += dot(sum, 0, sum, 0) + dot(sum, size, sum, size);
-    products.col(1) += dot(difference, 0, difference, 0) + dot(difference, size, difference, size);
-    products.col(2) += dot(sum, 0, difference, 0) + dot(sum, size, difference, size);
-    products.col(3) += dot(sum, size, difference, 0) - dot(sum, 0, difference, size);
+    const Amplitudes own = amplitudes(block);
+    add_products(own, own, {}, products);
 }
 
 template class AngularFunctionsOf<float>;

@@ -66,6 +66,18 @@ class AngularFunctionsOf {
     /// all of the scattering matrix.
     void add_products(const SphereBlockOf<Scalar>& block, Eigen::ArrayXXd& products) const;
 
+    /// S1 + S2 and S1 - S2 of each sphere: row = angle, columns [0, size) real, then imaginary.
+    struct Amplitudes {
+        typename SphereBlockOf<Scalar>::Matrix sum, difference;
+    };
+    Amplitudes amplitudes(const SphereBlockOf<Scalar>& block) const;
+    /// Adds those products with A = S1 + S2, B = S1 - S2 of one block and A', B' of another:
+    /// Re A A'*, Re B B'*, Re and Im A B'*; the first two where there are two columns.
+    /// @param factors  of each sphere; empty: 1
+    static void add_products(const Amplitudes& one, const Amplitudes& other,
+                             const Eigen::Array<Scalar, 1, Eigen::Dynamic>& factors,
+                             Eigen::ArrayXXd& products);
+
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
     /// Adds weight times the same of waves that are known by their products: forms of

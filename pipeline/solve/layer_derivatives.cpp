@@ -66,62 +66,78 @@ std::string derivatives_key(const LayerRequest& request, const std::vector<Scene
 }
 
 /// Optics that scenes with a number a little larger and a little smaller find in their memos, so
-/// that no average over sizes chooses its sizes anew.
+/// that no average over sizes chooses its sizes anew, and all changes share those of a species.
 class ChangedSpheres {
   public:
-    ChangedSpheres(const ResolvedScene& middle, const SceneChange& change, std::size_t w,
-                   const OpticsDemand& demand, const Control& control)
-        : control_(control), plus_(control), minus_(control) {
-        for (Control* side : {&plus_, &minus_}) {
-            side->cache = nullptr;
-            side->memo = make_optics_memo();
+    ChangedSpheres(const ResolvedScene& middle, std::vector<const SceneChange*> changes,
+                   std::size_t w, const OpticsDemand& demand, const Control& control)
+        : changes_(std::move(changes)), control_(control) {
+        for (std::size_t c = 0; c < changes_.size(); ++c) {
+            Control own = control;
+            own.cache = nullptr;
+            plus_.push_back(own);
+            minus_.push_back(own);
+            plus_.back().memo = make_optics_memo();
+            minus_.back().memo = make_optics_memo();
         }
         OpticsDemand of_depth;
         of_depth.tolerance = demand.tolerance;
         for (std::size_t m = middle.first_medium(); m < middle.media.size(); ++m) {
-            add(middle.media[m], change.plus.media[m], change.minus.media[m], w, demand);
+            const auto medium = [m](const ResolvedScene& scene) -> auto& { return scene.media[m]; };
+            add(middle, medium, w, demand);
             if (m == 0 || middle.depths[m - 1].is_grey()) continue;
-            add(middle.media[m], change.plus.media[m], change.minus.media[m], w, of_depth);
-            if (const auto& reference = middle.depths[m - 1].reference) {
-                add(*reference, *change.plus.depths[m - 1].reference,
-                    *change.minus.depths[m - 1].reference, 0, of_depth);
-            }
+            add(middle, medium, w, of_depth);
+            const auto reference = [m](const ResolvedScene& scene) -> auto& {
+                return *scene.depths[m - 1].reference;
+            };
+            if (middle.depths[m - 1].reference) add(middle, reference, 0, of_depth);
         }
     }
 
-    const Control& plus() const { return plus_; }
-    const Control& minus() const { return minus_; }
+    const Control& plus(std::size_t change) const { return plus_[change]; }
+    const Control& minus(std::size_t change) const { return minus_[change]; }
 
   private:
-    void add(const ResolvedMedium& middle, const ResolvedMedium& plus, const ResolvedMedium& minus,
-             std::size_t w, const OpticsDemand& of_all) {
-        for (std::size_t s = 0; s < middle.species.size(); ++s) {
-            const ResolvedSpecies& species = middle.species[s];
-            const bool is_same = plus.species[s].key[w] == species.key[w] &&
-                                 minus.species[s].key[w] == species.key[w];
+    template <typename MediumOf>
+    void add(const ResolvedScene& middle, const MediumOf& medium_of, std::size_t w,
+             const OpticsDemand& of_all) {
+        for (std::size_t s = 0; s < medium_of(middle).species.size(); ++s) {
+            const ResolvedSpecies& species = medium_of(middle).species[s];
+            if (!species.needs_mie()) continue;
+            std::vector<std::size_t> alike, places;
+            std::vector<SpeciesChange> different;
+            for (std::size_t c = 0; c < changes_.size(); ++c) {
+                const SpeciesChange change{&medium_of(changes_[c]->plus).species[s],
+                                           &medium_of(changes_[c]->minus).species[s]};
+                const bool is_same =
+                    change.plus->key[w] == species.key[w] && change.minus->key[w] == species.key[w];
+                (is_same ? alike : places).push_back(c);
+                if (!is_same) different.push_back(change);
+            }
             // Smooth phase functions are computed whenever they are asked for.
-            if (!species.needs_mie() || (is_same && has_smooth_phase(species.species))) continue;
+            if (has_smooth_phase(species.species) && different.empty()) continue;
             const OpticsDemand demand = crowd_demand(species, of_all);
             const mie::Executor pieces = pieces_of_job(control_);
             const auto hash = [&](const ResolvedSpecies& one) {
                 return optics_hash(one, w, demand);
             };
             const MediumOptics known = species_optics(control_, species, w, demand, pieces);
-            const ResolvedSpecies &above = plus.species[s], &below = minus.species[s];
-            if (is_same) {
-                plus_.memo->keep(hash(species), known);
-                minus_.memo->keep(hash(species), known);
-                continue;
+            for (const std::size_t c : alike) {
+                plus_[c].memo->keep(hash(species), known);
+                minus_[c].memo->keep(hash(species), known);
             }
-            auto [larger, smaller] =
-                changed_optics(known, species, above, below, w, demand, pieces);
-            plus_.memo->keep(hash(above), larger);
-            minus_.memo->keep(hash(below), smaller);
+            if (different.empty()) continue;
+            const auto changed = changed_optics(known, species, different, w, demand, pieces);
+            for (std::size_t i = 0; i < places.size(); ++i) {
+                plus_[places[i]].memo->keep(hash(*different[i].plus), changed[i].first);
+                minus_[places[i]].memo->keep(hash(*different[i].minus), changed[i].second);
+            }
         }
     }
 
+    std::vector<const SceneChange*> changes_;
     const Control& control_;
-    Control plus_, minus_;
+    std::vector<Control> plus_, minus_;
 };
 
 class WavelengthDerivatives {
@@ -145,19 +161,24 @@ class WavelengthDerivatives {
     std::vector<LayerSlice> of(const std::vector<SceneChange>& changes) const {
         const std::string key = layers_key(request_, request_.scene, w_);
         std::vector<std::size_t> places;
-        std::vector<rte::StackChange> stacks;
+        std::vector<const SceneChange*> different;
         for (std::size_t c = 0; c < changes.size(); ++c) {
             const SceneChange& change = changes[c];
             if (layers_key(request_, change.plus, w_) == key &&
                 layers_key(request_, change.minus, w_) == key)
                 continue;
-            const ChangedSpheres spheres(request_.scene, change, w_, demand_, control_);
-            stacks.push_back({stack_of(change.plus, spheres.plus()),
-                              stack_of(change.minus, spheres.minus()), change.apart[w_],
+            different.push_back(&change);
+            places.push_back(c);
+        }
+        const ChangedSpheres spheres(request_.scene, different, w_, demand_, control_);
+        std::vector<rte::StackChange> stacks;
+        for (std::size_t i = 0; i < different.size(); ++i) {
+            const SceneChange& change = *different[i];
+            stacks.push_back({stack_of(change.plus, spheres.plus(i)),
+                              stack_of(change.minus, spheres.minus(i)), change.apart[w_],
                               changed_weights(request_, change.plus, w_),
                               changed_weights(request_, change.minus, w_)});
             require_bound(change, stacks.back());
-            places.push_back(c);
         }
         std::vector<LayerSlice> slices(changes.size());
         std::vector<LayerSlice> changed =

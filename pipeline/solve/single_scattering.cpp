@@ -242,12 +242,10 @@ MediumOptics moved(const MediumOptics& known, const mie::EnsembleDifference& by,
 
 }  // namespace
 
-std::pair<MediumOptics, MediumOptics> changed_optics(const MediumOptics& known,
-                                                     const ResolvedSpecies& middle,
-                                                     const ResolvedSpecies& plus,
-                                                     const ResolvedSpecies& minus, std::size_t w,
-                                                     const OpticsDemand& demand,
-                                                     const mie::Executor& run) {
+std::vector<std::pair<MediumOptics, MediumOptics>> changed_optics(
+    const MediumOptics& known, const ResolvedSpecies& middle,
+    const std::vector<SpeciesChange>& changes, std::size_t w, const OpticsDemand& demand,
+    const mie::Executor& run) {
     if (has_smooth_phase(middle.species)) {
         throw UsageError(fmt::format(
             "derivatives by sizes and indices are of spheres; '{}' has a shape of its own",
@@ -263,15 +261,24 @@ std::pair<MediumOptics, MediumOptics> changed_optics(const MediumOptics& known,
         wanted.phase_table = known.optics.phase.target<mie::PhaseTable>();
     }
     const auto request = ensemble_request(middle, w, demand);
+    std::vector<mie::EnsembleChange> sides;
+    for (const SpeciesChange& change : changes)
+        sides.push_back({ensemble_request(*change.plus, w, demand),
+                         ensemble_request(*change.minus, w, demand)});
     const auto of = [&](const mie::EnsembleRequest&, const mie::Executor& pieces) {
-        return mie::difference_of_averages(request, ensemble_request(plus, w, demand),
-                                           ensemble_request(minus, w, demand), wanted, pieces);
+        return mie::differences_of_averages(request, sides, wanted, pieces);
     };
-    const mie::EnsembleDifference difference = average(of, middle.species, request, run);
-    const double above = plus.key[w] == middle.key[w]    ? 0.0
-                         : minus.key[w] == middle.key[w] ? 1.0
-                                                         : 0.5;
-    return {moved(known, difference, above), moved(known, difference, above - 1.0)};
+    const std::vector<mie::EnsembleDifference> differences =
+        average(of, middle.species, request, run);
+    std::vector<std::pair<MediumOptics, MediumOptics>> both;
+    for (std::size_t c = 0; c < changes.size(); ++c) {
+        const double above = changes[c].plus->key[w] == middle.key[w]    ? 0.0
+                             : changes[c].minus->key[w] == middle.key[w] ? 1.0
+                                                                         : 0.5;
+        both.emplace_back(moved(known, differences[c], above),
+                          moved(known, differences[c], above - 1.0));
+    }
+    return both;
 }
 
 mie::PhaseValues phase_of_mie(const ResolvedSpecies& species, std::size_t w,

@@ -73,16 +73,19 @@ MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& demand,
                             const mie::Executor& run = mie::run_in_order);
 
-/// One species a little different from one that is known: with the same sizes, and what these
-/// give.
+/// A species a little different, one way and the other; one of them may be the one in the middle.
+struct SpeciesChange {
+    const ResolvedSpecies *plus, *minus;
+};
+
+/// The optics of both sides of changes of a species that is known: with the same sizes, and what
+/// these give.
 /// @param known  compute_optics of `middle`
-/// @return of `plus` and of `minus`; one of them may be `middle` itself
-std::pair<MediumOptics, MediumOptics> changed_optics(const MediumOptics& known,
-                                                     const ResolvedSpecies& middle,
-                                                     const ResolvedSpecies& plus,
-                                                     const ResolvedSpecies& minus, std::size_t w,
-                                                     const OpticsDemand& demand,
-                                                     const mie::Executor& run);
+/// @return of `plus` and of `minus`, for each change
+std::vector<std::pair<MediumOptics, MediumOptics>> changed_optics(
+    const MediumOptics& known, const ResolvedSpecies& middle,
+    const std::vector<SpeciesChange>& changes, std::size_t w, const OpticsDemand& demand,
+    const mie::Executor& run);
 
 /// The structure factor is multiplied with the whole phase function, even where moments are all
 /// that is wanted.

@@ -29,7 +29,9 @@ void show_ensemble() {
     smaller.sizes.effective_radius_um *= 0.999;
     larger.sizes.effective_radius_um *= 1.001;
     const EnsembleDifference by_radius =
-        difference_of_averages(request, larger, smaller, DifferenceDemand{.highest_moment = 2});
+        differences_of_averages(request, {EnsembleChange{larger, smaller}},
+                                DifferenceDemand{.highest_moment = 2})
+            .front();
     std::cout << "dg/d ln r = " << by_radius.asymmetry / 0.002 << '\n';
 
     request.coatings = {ParticleCoating{.refractive_index = 1.46, .thickness_um = 0.01}};

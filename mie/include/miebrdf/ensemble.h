@@ -215,16 +215,22 @@ struct DifferenceDemand {
     int matrix_degree = -1;                   ///< of the scattering matrix; -1: none
 };
 
-/// `plus` minus `minus`, two requests a little different from `middle` in sizes, indices or host:
-/// the derivative of one discrete average. Its radii are those that `middle` asks for, so that
-/// differences are smooth however transparent spheres ripple. Where only the law of sizes differs,
-/// the same spheres have other weights, and what the law gains at its moving ends is added; spheres
-/// of one size change themselves.
+/// Two requests a little different from one in the middle in sizes, indices or host.
+struct EnsembleChange {
+    EnsembleRequest plus, minus;
+};
+
+/// `plus` minus `minus` of each change: the derivatives of one discrete average. Its radii are
+/// those that `middle` asks for, so that differences are smooth however transparent spheres ripple.
+/// Where only the law of sizes differs, the spheres in the middle have other weights, and what the
+/// law gains at its moving ends is added, there spread over a few periods of ripple; where spheres
+/// change, those of one size included, their waves are differenced.
+/// Cost: one pass over the spheres, and one more for each change of them.
 /// @throws UsageError  as average_over_sizes, and for spheroids
-EnsembleDifference difference_of_averages(const EnsembleRequest& middle,
-                                          const EnsembleRequest& plus, const EnsembleRequest& minus,
-                                          const DifferenceDemand& demand,
-                                          const Executor& run = run_in_order);
+std::vector<EnsembleDifference> differences_of_averages(const EnsembleRequest& middle,
+                                                        const std::vector<EnsembleChange>& changes,
+                                                        const DifferenceDemand& demand,
+                                                        const Executor& run = run_in_order);
 
 /// Spheroids that averages take: the size parameter of the larger axis, and the aspect.
 inline constexpr double kLargestSpheroid = 50;
