@@ -17,6 +17,15 @@ s.solve([450, 550]).albedo(0.5).coords, s.coats[0].medium, s.replace(host=1.5).a
 miebrdf.sphere(1.5, [1.0, 2.0]).q_ext.mean()
 miebrdf.layer_albedos(0.5, mu_in=0.5).converged.all()
 miebrdf.materials.add("ink", [400.0], [1.5], title="black")
+s.solve(550).export("x.bsdf", resolution=12, accept_error=True)[0]["bytes"] + 1
+s.roughness + 1.0, s.replace(roughness=0.2).solve(550).scene.host
+s.roughness = 0.2  # wrong
+s.coats = ()  # wrong
+s.rougness = 0.2  # wrong
+s.solve(550).wavelengths_nm = [450.0]  # wrong
+s.solve(550).export("x.bsdf", resolutoin=12)  # wrong
+s.solve(550).export("x.bsdf", rgb="cei")  # wrong
+miebrdf.export(lambda i, o, a: i, 550, "x.bsdf", acept_error=True)  # wrong
 miebrdf.Scene("TiO2", radius=1)  # wrong
 s.brdf(550, 0.5, 0.5, tolerence=1)  # wrong
 s.solve(550, stream=3)  # wrong

@@ -41,6 +41,8 @@ def test_solve_computes_nothing_that_is_not_asked_for():
         (lambda: SNOW.replace(hosts=1.3), "host"),
         (lambda: miebrdf.set_options(thread=1), "threads"),
         (lambda: miebrdf.phase("TiO2", 550, [0.0], radius=1.0), "radius_um"),
+        (lambda: SNOW.solve(550).export("x.npz", acept_error=True), "accept_error"),
+        (lambda: miebrdf.export(np.ones_like, 550, "x.npz", resolutoin=4), "resolution"),
     ],
 )
 def test_a_misspelt_keyword_names_the_nearest(ask, nearest):
@@ -49,13 +51,15 @@ def test_a_misspelt_keyword_names_the_nearest(ask, nearest):
 
 
 def test_arguments_of_scenes_for_checkers_are_those_of_scene():
-    from miebrdf._keywords import OfMedium
+    from miebrdf._keywords import ExportOptions, OfMedium
     from miebrdf._scene import DEFAULTS
     from miebrdf._scene_arguments import SceneArguments
 
     own = set(inspect.signature(Scene).parameters)
     assert own == set(SceneArguments.__annotations__)
     assert set(inspect.signature(medium).parameters) - {"words"} == set(OfMedium.__annotations__)
+    of_formats = {option for each in miebrdf.formats() for option in each["options"]}
+    assert of_formats == set(ExportOptions.__annotations__)
     plain = Scene("TiO2")
     assert all(getattr(plain, name) == DEFAULTS[name] for name in own - {"base"})
 
@@ -70,6 +74,13 @@ def test_scenes_show_what_makes_them_different_and_can_be_read():
     assert repr(scene.coats[0]) == "<miebrdf.Layer hg:0.9,0.1@0.2[grey]>"
     with pytest.raises(AttributeError, match=r"scene.replace\(host=...\)"):
         scene.host = 1.3
+    with pytest.raises(AttributeError, match="no attribute 'hosts'"):
+        scene.hosts = 1.3
+    solved = scene.solve([450, 550])
+    solved.wavelengths_nm.append(650.0)  # of a copy
+    assert solved.wavelengths_nm == [450, 550] and solved.scene == scene
+    with pytest.raises(AttributeError):
+        solved.scene = scene
     assert scene != scene.replace(k_floor=0.0) and repr(scene) != repr(scene.replace(k_floor=0.0))
     html = scene._repr_html_()
     assert "hg:0.9,0.1" in html and "50 um (the default)" in html

@@ -33,7 +33,7 @@ class LayerFacts(TypedDict):
 class Albedos:
     """The part of `Brdf` that needs no table."""
 
-    wavelengths_nm: list[float]
+    _nm: list[float]
     _single: bool
     _call: tuple[Any, ...]
     _solved: _core.SolvedScene
@@ -79,9 +79,6 @@ class Albedos:
         """
         axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
         name = "plane_transmittance" if transmitted else "plane_albedo"
-        if 0 in axes.shape:
-            empty: Floats = np.empty((len(self.wavelengths_nm), *axes.shape))
-            return at_wavelengths(empty, self.wavelengths_nm, self._single, axes, {}, name)
         return self._albedo(name, axes.arrays[0].reshape(-1).tolist(), axes)
 
     def mirror_reflectance(
@@ -148,6 +145,9 @@ class Albedos:
 
     def _albedo(self, name: str, mu_in: list[float], axes: Axes) -> Values:
         """One of the columns that the module computes at these cosines."""
+        if 0 in axes.shape:
+            empty: Floats = np.empty((len(self._nm), *axes.shape))
+            return at_wavelengths(empty, self._nm, self._single, axes, {}, name)
         with Call(*self._call) as options:
             columns, facts = self._solved.albedo(mu_in, options)
         if columns[name] is None:
@@ -162,7 +162,7 @@ class Albedos:
         column = columns[name]
         values = column.reshape([column.shape[0], *axes.shape])
         attributes = {"units": "1", **self._scene_attributes(), **report.attributes()}
-        return at_wavelengths(values, self.wavelengths_nm, self._single, axes, attributes, name)
+        return at_wavelengths(values, self._nm, self._single, axes, attributes, name)
 
     def layers(self) -> list[LayerFacts]:
         """Single scattering by every layer; see `Scene.layers`.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,15 +16,17 @@ from ._arrays import Floats, Values, broadcast, wavelength_list
 from ._derivatives import Derivatives
 from ._directions import (
     BRDF_ATTRIBUTES,
+    MUELLER_ATTRIBUTES,
+    Directions,
     Report,
     at_wavelengths,
     axes_of,
     cosine,
-    exact_brdf,
-    exact_mueller,
+    evaluate_exactly,
     solver_options,
 )
-from ._files import ExportedFile, format_of, listed, needs_whole_matrix
+from ._files import ExportedFile, export_arguments, format_of, needs_whole_matrix
+from ._keywords import ExportOptions, checked
 from ._options import Call
 from .errors import UsageError
 
@@ -40,11 +42,6 @@ class Brdf(Albedos):
     lobe, is evaluated at every direction. Copies and pickles keep what was asked for and solve it
     again when they are used, to the same bits. May be used from several threads.
 
-    Attributes
-    ----------
-    scene : Scene
-    wavelengths_nm : list of float
-
     Examples
     --------
     >>> scene = Scene("TiO2,radius=0.2", coats=["hg:0.9,0.4@0.3"])
@@ -54,23 +51,27 @@ class Brdf(Albedos):
     >>> b.albedo(theta_in_deg=60), b.report.error_estimate
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        wavelengths_nm: ArrayLike,
-        method: Mapping[str, Any],
-        call: tuple[Any, ...] = (),
-    ) -> None:
-        self.scene = scene
-        self.wavelengths_nm, self._single = wavelength_list(wavelengths_nm)
-        self._method = dict(method)
-        self._call = call
-        self._solved = _core.SolvedScene(scene._core, self.wavelengths_nm, solver_options(method))
+    def __init__(self, scene: Scene, wavelengths_nm: ArrayLike, options: Mapping[str, Any]) -> None:
+        self._scene = scene
+        self._nm, self._single = wavelength_list(wavelengths_nm)
+        self._method = dict(options)
+        self._call = tuple(self._method.pop(name, None) for name in ("threads", "progress", "cache"))
+        self._solved = _core.SolvedScene(scene._core, self._nm, solver_options(self._method))
         self._tables: dict[str, _core.SolvedTable] = {}
         self._sampler: _core.DirectionSampler | None = None
 
+    @property
+    def scene(self) -> Scene:
+        """What is solved."""
+        return self._scene
+
+    @property
+    def wavelengths_nm(self) -> list[float]:
+        """Where it is solved, in vacuum."""
+        return list(self._nm)
+
     def _scene_attributes(self) -> dict[str, str]:
-        return self.scene.attributes()
+        return self._scene.attributes()
 
     def __call__(
         self,
@@ -105,7 +106,7 @@ class Brdf(Albedos):
         """
         axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
         table = self._table(part)
-        shape = (() if self._single else (len(self.wavelengths_nm),)) + axes.shape
+        shape = (() if self._single else (len(self._nm),)) + axes.shape
         if out is None:
             out = np.empty(shape)
         elif out.shape != shape or out.dtype != np.float64:
@@ -119,7 +120,7 @@ class Brdf(Albedos):
             **self._scene_attributes(),
             **self._report_of(table).attributes(),
         }
-        return at_wavelengths(values, self.wavelengths_nm, self._single, axes, attributes)
+        return at_wavelengths(values, self._nm, self._single, axes, attributes)
 
     def exact(
         self,
@@ -155,18 +156,12 @@ class Brdf(Albedos):
         >>> b = scene.solve([450, 550, 650])
         >>> b.exact(0.5, 0.9, 180.0)
         """
-        axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
-        if 0 in axes.shape:
-            return self(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
-                        theta_out_deg=theta_out_deg, part=part)  # fmt: skip
-        return exact_brdf(
-            self._solved,
-            self.wavelengths_nm,
-            self._single,
-            axes,
-            part,
-            self._call,
-            self._scene_attributes(),
+        return self._exactly(
+            lambda mu_in, mu_out, azimuth, options: self._solved.evaluate(
+                mu_in, mu_out, azimuth, part, options
+            ),
+            (mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg),
+            {**BRDF_ATTRIBUTES, "part": part},
         )
 
     def mueller(
@@ -205,17 +200,34 @@ class Brdf(Albedos):
         >>> b.mueller(0.5, 0.9, 180.0).shape
         (3, 3, 3)
         """
-        axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
-        components = 4 if str(self._method.get("stokes")) == "4" else 3
-        return exact_mueller(
-            self._solved,
-            self.wavelengths_nm,
-            self._single,
-            axes,
-            components,
-            self._call,
-            self._scene_attributes(),
+        return self._exactly(
+            self._solved.mueller,
+            (mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg),
+            MUELLER_ATTRIBUTES,
+            "mueller",
+            4 if str(self._method.get("stokes")) == "4" else 3,
         )
+
+    def _exactly(
+        self,
+        solve: Callable[..., tuple[Floats, dict[str, Any]]],
+        directions: Directions,
+        attributes: dict[str, Any],
+        name: str = "brdf",
+        stokes: int = 0,
+    ) -> Values:
+        """What `solve` has at all combinations of cosines and azimuths; matrices of `stokes`
+        components."""
+        axes = axes_of(directions)
+        values: Floats = np.empty((len(self._nm), *axes.shape, *[stokes] * (2 if stokes else 0)))
+        facts: dict[str, Any] = {}
+        if 0 not in axes.shape:
+            with Call(*self._call) as options:
+                values, report = evaluate_exactly(lambda *lists: solve(*lists, options), axes)
+            report.warn()
+            facts = report.attributes()
+        return at_wavelengths(values, self._nm, self._single, axes,
+                              {**attributes, **self._scene_attributes(), **facts}, name, stokes)  # fmt: skip
 
     def derivatives(self, names: Iterable[str]) -> Derivatives:
         """How what the scene reflects changes with numbers of it.
@@ -246,7 +258,7 @@ class Brdf(Albedos):
         return Derivatives(
             self._solved,
             tuple(names),
-            (self.wavelengths_nm, self._single),
+            (self._nm, self._single),
             self._call,
             self._scene_attributes(),
         )
@@ -322,20 +334,14 @@ class Brdf(Albedos):
         axes = broadcast({"mu_in": mu_in, "mu_out": mu_out, "azimuth_deg": azimuth_deg})
         return self._directions().density(*axes.arrays)
 
+    @checked(ExportOptions)
     def export(
         self,
         path: str | Path,
         format: str | None = None,
         *,
         part: str = "total",
-        resolution: int = 0,
-        mu_in: ArrayLike = (),
-        mu_out: ArrayLike = (),
-        azimuth_deg: ArrayLike = (),
-        rgb: str = "auto",
-        largest_error: float = 0.0,
-        accept_error: bool = False,
-        **extra: int,
+        **how: Unpack[ExportOptions],
     ) -> list[ExportedFile]:
         """Write files for renderers and tools, whole or not at all.
 
@@ -348,18 +354,12 @@ class Brdf(Albedos):
             (``.bsdf`` is ``rgl``; ``pbrt`` must be asked for).
         part : str
             total, subsurface, surface.
-        resolution : int
-            How fine, in the format's own unit; 0: its standard.
-        mu_in, mu_out, azimuth_deg : array
-            Directions of formats that list them; default: by the resolution.
-        rgb : str
-            auto, cie, wavelengths.
-        largest_error : float
-            Accepted relative rms error of a file that is read back; 0: that of the format.
-        accept_error : bool
-            Write the file whatever was found.
-        **extra : int
-            Options of one format alone.
+        **how
+            resolution (int; how fine, in the format's own unit; 0: its standard), mu_in, mu_out,
+            azimuth_deg (directions of formats that list them; default: by the resolution), rgb
+            (auto, cie, wavelengths), largest_error (accepted relative rms error of a file that is
+            read back; 0: that of the format), accept_error (write the file whatever was found);
+            incident_angles and bin_centres of single formats.
 
         Returns
         -------
@@ -386,18 +386,7 @@ class Brdf(Albedos):
             table = self._solved.table(
                 part, options, needs_whole_matrix(chosen), " ".join(["Python:", *sys.argv])
             )
-            return _core.export_table(
-                table,
-                path,
-                chosen,
-                resolution,
-                listed(mu_in, mu_out, azimuth_deg),
-                rgb,
-                largest_error,
-                accept_error,
-                extra,
-                options,
-            )
+            return _core.export_table(table, path, chosen, *export_arguments(how), options)
 
     def plot_lobe(
         self,
@@ -448,12 +437,12 @@ class Brdf(Albedos):
         return html(self)
 
     def __repr__(self) -> str:
-        return f"<miebrdf.Brdf: {self.scene}, {_wavelengths(self.wavelengths_nm)}>"
+        return f"<miebrdf.Brdf: {self.scene}, {_wavelengths(self._nm)}>"
 
     def __getstate__(self) -> dict[str, Any]:
-        nm: Any = self.wavelengths_nm[0] if self._single else self.wavelengths_nm
-        return {"scene": self.scene, "wavelengths_nm": nm, "method": self._method,
-                "call": (self._call + (None,) * 3)[:1]}  # fmt: skip
+        nm: Any = self._nm[0] if self._single else self._nm
+        return {"scene": self.scene, "wavelengths_nm": nm,
+                "options": {**self._method, "threads": self._call[0]}}  # fmt: skip
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         Brdf.__init__(self, **state)

@@ -6,20 +6,16 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Axes, Floats, Values, broadcast, labelled, numbers, varying_axes, wavelength_list
+from ._arrays import Axes, Floats, Values, broadcast, labelled, numbers, varying_axes
 from ._keywords import unknown
-from ._options import Call
 from ._version import __version__
 from .errors import NotConverged, UsageError
-
-if TYPE_CHECKING:
-    from ._scene import Scene
 
 #: More combinations than directions that were asked for: so many are computed all the same.
 _SPARE_COMBINATIONS = 4096
@@ -248,72 +244,8 @@ def at_wavelengths(
     return labelled(values, name, wavelengths, axes, attributes, stokes)
 
 
-def exact_brdf(
-    solved: _core.SolvedScene,
-    wavelengths: list[float],
-    single: bool,
-    axes: Axes,
-    part: str,
-    call: tuple[Any, ...],
-    scene: Mapping[str, str],
-) -> Values:
-    """`Brdf.exact`."""
-    with Call(*call) as options:
-        values, report = evaluate_exactly(
-            lambda mu_in, mu_out, azimuth: solved.evaluate(mu_in, mu_out, azimuth, part, options),
-            axes,
-        )
-    report.warn()
-    attributes = {**BRDF_ATTRIBUTES, "part": part, **scene, **report.attributes()}
-    return at_wavelengths(values, wavelengths, single, axes, attributes)
-
-
 MUELLER_ATTRIBUTES = {
     "units": "1/sr",
     "long_name": "Mueller matrix of the BRDF, without the cosine",
     "planes": "Q = parallel minus perpendicular to the meridian plane of each ray (ray and normal)",
 }
-
-
-def exact_mueller(
-    solved: _core.SolvedScene,
-    wavelengths: list[float],
-    single: bool,
-    axes: Axes,
-    components: int,
-    call: tuple[Any, ...],
-    scene: Mapping[str, str],
-) -> Values:
-    """`Brdf.mueller`."""
-    if not wavelengths or 0 in axes.shape:
-        values: Floats = np.empty((len(wavelengths), *axes.shape, components, components))
-        facts: dict[str, Any] = {}
-    else:
-        with Call(*call) as options:
-            values, report = evaluate_exactly(
-                lambda mu_in, mu_out, azimuth: solved.mueller(mu_in, mu_out, azimuth, options),
-                axes,
-            )
-        report.warn()
-        facts = report.attributes()
-    attributes = {**MUELLER_ATTRIBUTES, **scene, **facts}
-    return at_wavelengths(values, wavelengths, single, axes, attributes, "mueller", components)
-
-
-def direct_brdf(
-    scene: Scene,
-    wavelengths_nm: ArrayLike,
-    directions: Directions,
-    part: str,
-    call: tuple[Any, ...],
-    method: Mapping[str, Any],
-) -> Values:
-    """`Scene.brdf`."""
-    wavelengths, single = wavelength_list(wavelengths_nm)
-    axes = axes_of(directions)
-    if not wavelengths or 0 in axes.shape:
-        empty: Floats = np.empty((len(wavelengths), *axes.shape))
-        attributes = {**BRDF_ATTRIBUTES, "part": part, **scene.attributes()}
-        return at_wavelengths(empty, wavelengths, single, axes, attributes)
-    solved = _core.SolvedScene(scene._core, wavelengths, solver_options(method))
-    return exact_brdf(solved, wavelengths, single, axes, part, call, scene.attributes())

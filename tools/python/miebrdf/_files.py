@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._arrays import Floats, Values, labelled, numbers, wavelength_list
 from ._directions import axes_of
+from ._keywords import ExportOptions, checked
 from ._options import Call, Progress
 from .errors import UsageError
 
@@ -123,14 +124,28 @@ def formats() -> list[FormatFacts]:
     ]
 
 
-def listed(mu_in: ArrayLike, mu_out: ArrayLike, azimuth_deg: ArrayLike) -> _core.Directions:
-    """Directions of formats that list them."""
-    given = {"mu_in": mu_in, "mu_out": mu_out, "azimuth_deg": azimuth_deg}
-    return _core.Directions(
-        *(numbers(name, values).reshape(-1).tolist() for name, values in given.items())
+def export_arguments(
+    how: ExportOptions,
+) -> tuple[int, _core.Directions, str, float, bool, dict[str, int]]:
+    """Those of the module: resolution, directions, rgb, largest and accepted error, and what single
+    formats take."""
+    given: dict[str, Any] = {**how}
+    listed = (
+        numbers(name, given.get(name, ())).reshape(-1).tolist()
+        for name in ("mu_in", "mu_out", "azimuth_deg")
+    )
+    of_single_formats = ("incident_angles", "bin_centres")
+    return (
+        how.get("resolution", 0),
+        _core.Directions(*listed),
+        how.get("rgb", "auto"),
+        how.get("largest_error", 0.0),
+        how.get("accept_error", False),
+        {name: value for name, value in given.items() if name in of_single_formats},
     )
 
 
+@checked(ExportOptions)
 def export(
     function: Callable[[Floats, Floats, Floats], ArrayLike],
     wavelengths_nm: ArrayLike,
@@ -138,16 +153,9 @@ def export(
     format: str | None = None,
     *,
     title: str = "",
-    resolution: int = 0,
-    mu_in: ArrayLike = (),
-    mu_out: ArrayLike = (),
-    azimuth_deg: ArrayLike = (),
-    rgb: str = "auto",
-    largest_error: float = 0.0,
-    accept_error: bool = False,
     threads: int | None = None,
     progress: Progress = None,
-    **extra: int,
+    **how: Unpack[ExportOptions],
 ) -> list[ExportedFile]:
     """Write files for renderers and tools of a BRDF of one's own, whole or not at all.
 
@@ -160,7 +168,7 @@ def export(
         many directions at a time. A `BrdfFile` is such a function.
     wavelengths_nm : float or array of one dimension
         In vacuum.
-    path, format, resolution, mu_in, mu_out, azimuth_deg, rgb, largest_error, accept_error, **extra
+    path, format, **how
         As of `Brdf.export`.
     title : str
         What the file says it is.
@@ -202,21 +210,9 @@ def export(
         return np.ascontiguousarray(given.T)
 
     with Call(threads, progress, None) as options:
-        return _core.export_function(
-            values,
-            nm,
-            title,
-            " ".join(["Python:", *sys.argv]),
-            path,
-            chosen,
-            resolution,
-            listed(mu_in, mu_out, azimuth_deg),
-            rgb,
-            largest_error,
-            accept_error,
-            extra,
-            options,
-        )
+        command = " ".join(["Python:", *sys.argv])
+        arguments = export_arguments(how)
+        return _core.export_function(values, nm, title, command, path, chosen, *arguments, options)
 
 
 class BrdfFile:

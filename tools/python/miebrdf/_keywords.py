@@ -7,7 +7,7 @@ import difflib
 import functools
 import inspect
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal, ParamSpec, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, Never, ParamSpec, TypedDict, TypeVar, overload
 
 from numpy.typing import ArrayLike
 
@@ -18,6 +18,26 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 R = TypeVar("R")
+T = TypeVar("T")
+
+
+class Argument(Generic[T]):
+    """An argument of a `Scene` as an attribute of it, which type checkers, too, refuse to change."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    @overload
+    def __get__(self, scene: None, owner: type) -> Argument[T]: ...
+    @overload
+    def __get__(self, scene: object, owner: type) -> T: ...
+    def __get__(self, scene: Any, owner: type) -> Any:
+        return self if scene is None else scene._arguments[self._name]
+
+    def __set__(self, scene: object, value: Never) -> None:
+        raise AttributeError(
+            f"scenes do not change; scene.replace({self._name}=...) is another one"
+        )
 
 
 class Method(TypedDict, total=False):
@@ -40,6 +60,20 @@ class CallAndMethod(Method, total=False):
     threads: int | None
     progress: Progress
     cache: bool | None
+
+
+class ExportOptions(TypedDict, total=False):
+    """How a BRDF is written to files; `Brdf.export` says what each means."""
+
+    resolution: int
+    mu_in: ArrayLike
+    mu_out: ArrayLike
+    azimuth_deg: ArrayLike
+    rgb: Literal["auto", "cie", "wavelengths"]
+    largest_error: float
+    accept_error: bool
+    incident_angles: int
+    bin_centres: int
 
 
 class OfMedium(TypedDict, total=False):

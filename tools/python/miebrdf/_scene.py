@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Unpack
+from collections.abc import Iterable
+from typing import Any, Unpack
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ._albedos import LayerFacts
@@ -13,10 +14,9 @@ from ._arrays import Values
 from ._brdf import Brdf
 from ._core import Layer, Medium, Substrate
 from ._derivatives import Derivatives
-from ._directions import direct_brdf
-from ._keywords import CallAndMethod, Method, checked
+from ._directions import BRDF_ATTRIBUTES, at_wavelengths, axes_of
+from ._keywords import Argument, CallAndMethod, checked
 from ._media import MediumLike, host_shown
-from ._options import Progress
 from ._scene_arguments import (
     SceneArguments,
     core_scene,
@@ -110,29 +110,30 @@ class Scene:
     >>> b(0.5, mu_out, 0.0)
     """
 
-    _arguments: dict[str, Any]
-    base: Medium | None
-    substrate: Substrate | None
-    coats: tuple[Layer, ...]
-    roughness: float
-    surface_distribution: str
-    shadowing: str
-    fresnel: str
-    coupling: str | None
-    surface_index: complex | None
-    effective_radius_um: float
-    effective_variance: float
-    size_distribution: str | tuple[list[float], list[float]]
-    host: str | complex
-    k_floor: float
-    mie_tolerance: float
-    layer_density_kg_m3: float | None
-    packing: str
-    boundary: str | None
-    interpolation: str
-    extrapolate: str
-    missing_k_zero: bool
-    database: str
+    __slots__ = ("_arguments", "_core", "_given", "__weakref__")
+
+    base = Argument[Medium | None]()
+    substrate = Argument[Substrate | None]()
+    coats = Argument[tuple[Layer, ...]]()
+    roughness = Argument[float]()
+    surface_distribution = Argument[str]()
+    shadowing = Argument[str]()
+    fresnel = Argument[str]()
+    coupling = Argument[str | None]()
+    surface_index = Argument[complex | None]()
+    effective_radius_um = Argument[float]()
+    effective_variance = Argument[float]()
+    size_distribution = Argument[str | tuple[list[float], list[float]]]()
+    host = Argument[str | complex]()
+    k_floor = Argument[float]()
+    mie_tolerance = Argument[float]()
+    layer_density_kg_m3 = Argument[float | None]()
+    packing = Argument[str]()
+    boundary = Argument[str | None]()
+    interpolation = Argument[str]()
+    extrapolate = Argument[str]()
+    missing_k_zero = Argument[bool]()
+    database = Argument[str]()
 
     @checked()
     def __init__(
@@ -168,21 +169,6 @@ class Scene:
         #: As they were given where numbers have names.
         self._given = {**self._arguments, **named}
 
-    if not TYPE_CHECKING:  # type checkers know the attributes above, and nothing else
-
-        def __getattr__(self, name: str) -> Any:
-            arguments = self.__dict__.get("_arguments", {})
-            if name not in arguments:
-                raise AttributeError(f"a Scene has no '{name}'")
-            return arguments[name]
-
-        def __setattr__(self, name: str, value: Any) -> None:
-            if not name.startswith("_"):
-                raise AttributeError(
-                    f"scenes do not change; scene.replace({name}=...) is another one"
-                )
-            object.__setattr__(self, name, value)
-
     @checked(SceneArguments)
     def replace(self, **changes: Unpack[SceneArguments]) -> Scene:
         """The same scene with other arguments, e.g. ``scene.replace(roughness=0.3)``.
@@ -215,7 +201,7 @@ class Scene:
             arguments["base"] = changes.get("base")
         return Scene(**arguments)
 
-    @checked(Method)
+    @checked(CallAndMethod)
     def brdf(
         self,
         wavelengths_nm: ArrayLike,
@@ -226,10 +212,7 @@ class Scene:
         theta_in_deg: ArrayLike | None = None,
         theta_out_deg: ArrayLike | None = None,
         part: str = "total",
-        threads: int | None = None,
-        progress: Progress = None,
-        cache: bool | None = None,
-        **method: Unpack[Method],
+        **options: Unpack[CallAndMethod],
     ) -> Values:
         """The BRDF at these directions, exactly: nothing is interpolated.
 
@@ -247,10 +230,8 @@ class Scene:
             Angles from the normal, in [0, 90), in place of the cosines.
         part : str
             total, subsurface (layers alone), surface (lobe alone).
-        threads, progress, cache
-            As in `set_options`.
-        **method
-            As in `solve`: ``tolerance=1e-4``, ``streams=32``, ...
+        **options
+            As in `solve`: ``tolerance=1e-4``, ``streams=32``, ``threads=1``, ...
 
         Returns
         -------
@@ -278,16 +259,15 @@ class Scene:
         >>> scene.brdf([450, 550], mu_in=0.5, mu_out=[0.3, 0.9], azimuth_deg=180.0)
         >>> scene.brdf(550, theta_in_deg=60, theta_out_deg=np.arange(0, 90, 10), streams=32)
         """
-        return direct_brdf(
-            self,
-            wavelengths_nm,
-            (mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg),
-            part,
-            (threads, progress, cache),
-            method,
-        )
+        directions = (mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg)
+        if np.size(wavelengths_nm) == 0:
+            axes = axes_of(directions)
+            attributes = {**BRDF_ATTRIBUTES, "part": part, **self.attributes()}
+            return at_wavelengths(np.empty((0, *axes.shape)), [], False, axes, attributes)
+        return Brdf(self, wavelengths_nm, options).exact(*directions[:3], theta_in_deg=theta_in_deg,
+                                                         theta_out_deg=theta_out_deg, part=part)  # fmt: skip
 
-    @checked(Method)
+    @checked(CallAndMethod)
     def mueller(
         self,
         wavelengths_nm: ArrayLike,
@@ -297,10 +277,7 @@ class Scene:
         *,
         theta_in_deg: ArrayLike | None = None,
         theta_out_deg: ArrayLike | None = None,
-        threads: int | None = None,
-        progress: Progress = None,
-        cache: bool | None = None,
-        **method: Unpack[Method],
+        **options: Unpack[CallAndMethod],
     ) -> Values:
         """The Mueller matrix of the BRDF at these directions: light with its polarisation.
 
@@ -308,9 +285,9 @@ class Scene:
         ----------
         wavelengths_nm : float or array of one dimension
             In vacuum.
-        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg, threads, progress, cache
+        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg
             As in `brdf`.
-        **method
+        **options
             As in `solve`; ``stokes=4``: with V (default: I, Q and U).
 
         Returns
@@ -331,20 +308,15 @@ class Scene:
         >>> scene.mueller(550, 0.5, 0.9, 180.0, stokes=4).shape
         (4, 4)
         """
-        call = (threads, progress, cache)
-        solved = Brdf(self, wavelengths_nm, method, call)
+        solved = Brdf(self, wavelengths_nm, options)
         return solved.mueller(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
                               theta_out_deg=theta_out_deg)  # fmt: skip
 
-    @checked(Method)
+    @checked(CallAndMethod)
     def solve(
         self,
         wavelengths_nm: ArrayLike,
-        *,
-        threads: int | None = None,
-        progress: Progress = None,
-        cache: bool | None = None,
-        **method: Unpack[Method],
+        **options: Unpack[CallAndMethod],
     ) -> Brdf:
         """Solve once, to be asked at any number of directions.
 
@@ -356,9 +328,8 @@ class Scene:
         ----------
         wavelengths_nm : float or array of one dimension
             In vacuum.
-        threads, progress, cache
-            As in `set_options`; also of what the result is asked.
-        **method
+        **options
+            threads, progress, cache (as in `set_options`; also of what the result is asked),
             tolerance (largest error relative to the largest value at the same incidence, in (0, 1);
             default 1e-3), stokes ("auto", 1, 3, 4: components of light), streams (2 to 256; 0: by
             the tolerance), grid (auto, gauss, mapped-gauss, paper), half_space_method (auto,
@@ -380,7 +351,7 @@ class Scene:
         >>> b = scene.solve(np.arange(400, 701, 20), tolerance=1e-3)
         >>> b.albedo(0.5)
         """
-        return Brdf(self, wavelengths_nm, method, (threads, progress, cache))
+        return Brdf(self, wavelengths_nm, options)
 
     @checked(CallAndMethod)
     def albedo(
@@ -421,7 +392,7 @@ class Scene:
         >>> scene.albedo([450, 550, 650], theta_in_deg=60)
         >>> scene.albedo(550)  # spherical
         """
-        solved = self._solved(wavelengths_nm, options)
+        solved = Brdf(self, wavelengths_nm, options)
         if mu_in is None and theta_in_deg is None:
             return solved.spherical_albedo()
         return solved.albedo(mu_in, theta_in_deg=theta_in_deg)
@@ -458,7 +429,7 @@ class Scene:
         >>> scene = Scene("hg:{w=0.9},{g=0.6}", coats=["isotropic:0.99@{tau=0.5}"])
         >>> scene.derivatives(550, ["w", "g", "tau"]).brdf(0.5, 0.7, 30.0)["w"]
         """
-        return self._solved(wavelengths_nm, options).derivatives(names)
+        return Brdf(self, wavelengths_nm, options).derivatives(names)
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -501,12 +472,7 @@ class Scene:
         --------
         >>> Scene(substrate="black", coats="TiO2,radius=0.13,volume=15% in index:1.5@40um").layers(550)[0]["s_km"]
         """
-        return self._solved(wavelengths_nm, options).layers()
-
-    def _solved(self, wavelengths_nm: ArrayLike, options: Mapping[str, Any]) -> Brdf:
-        method = dict(options)
-        call = tuple(method.pop(name, None) for name in ("threads", "progress", "cache"))
-        return Brdf(self, wavelengths_nm, method, call)
+        return Brdf(self, wavelengths_nm, options).layers()
 
     def attributes(self) -> dict[str, str]:
         """What results say of their scene in their attributes: scene, host, particles.
