@@ -151,13 +151,16 @@ def _build(settings: dict[str, Any]) -> Path:
     folder = Path(settings.get("build-dir", ROOT / "build" / "python")).resolve()
     more = shlex.split(settings.get("cmake-args", ""))
     jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
-    if not (folder / "CMakeCache.txt").exists():
+    begun = (folder / "CMakeCache.txt").exists()
+    if "build-dir" not in settings or not begun:
+        # Every time: an earlier one may have ended where a package was missing, or been for another Python.
         paths = _paths(settings.get("paths", "here"))
         # Measured on a processor of 2021: docs/internals/build-log.md
         minutes = (_MINUTES_BASE + _MINUTES_PATH * len(paths.split(";") if paths else [])) / float(jobs)
         _say(f"compiling for x86-64{' and ' + paths.replace(';', ', ') if paths else ''} with {jobs} "
              f"processes: about {max(1, round(minutes))} minutes on a recent machine")  # fmt: skip
-        ninja = ["-G", "Ninja"] if shutil.which("ninja") and "CMAKE_GENERATOR" not in os.environ else []
+        wanted = not begun and "CMAKE_GENERATOR" not in os.environ and shutil.which("ninja")
+        ninja = ["-G", "Ninja"] if wanted else []
         _run("cmake", "-S", ROOT, "-B", folder, *ninja, "-DCMAKE_BUILD_TYPE=Release",
              "-DMIEBRDF_UNITY=ON", "-DMIEBRDF_BUILD_TOOLS=OFF", "-DBUILD_TESTING=OFF",
              "-DMIEBRDF_PYTHON_REQUIRED=ON", f"-DPython_EXECUTABLE={sys.executable}",
