@@ -7,6 +7,7 @@
 
 #include "mie/sphere/radial_functions.h"
 #include "mie/sphere/ray_waves.h"
+#include "rte/math/interruption.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
@@ -195,6 +196,7 @@ void add_size(const Orders& orders, double x, double weight, int terms,
     Eigen::Index direct_rows = 0;
     const Row steps = 2 * Row::LinSpaced(kLaneCount, 0, kLaneCount - 1);
     for (Eigen::Index i = 0; i < rows; ++i) {
+        math::interruption_point();
         const int n = rule.order[i];
         Waves here[2];
         for (const int p : {0, 1}) {

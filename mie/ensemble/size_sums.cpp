@@ -9,6 +9,7 @@
 #include "mie/ensemble/amplitude_tiles.h"
 #include "mie/sphere/lane_math.h"
 #include "mie/sphere/radial_functions.h"
+#include "rte/math/interruption.h"
 
 namespace miebrdf::mie {
 namespace {
@@ -161,8 +162,10 @@ void AngularFunctionsOf<Scalar>::fill(const Eigen::ArrayXd& mu, const Executor& 
     const int jobs = (tile_count() + SumRule::kTilesPerJob - 1) / SumRule::kTilesPerJob;
     run(jobs, [&](int job) {
         const int end = std::min(tile_count(), (job + 1) * SumRule::kTilesPerJob);
-        for (int tile = job * SumRule::kTilesPerJob; tile < end; ++tile)
+        for (int tile = job * SumRule::kTilesPerJob; tile < end; ++tile) {
+            math::interruption_point();
             fill_tile(tile, mu.data() + tile * kAnglesPerTile);
+        }
     });
 }
 
@@ -208,6 +211,7 @@ void AngularFunctionsOf<Scalar>::visit_amplitudes(const Matrix& functions,
     constexpr int whole = kRegisterSize<Scalar>;
     const std::ptrdiff_t stride = waves.outerStride();
     const auto visit_columns = [&]<bool kHalves>(int column, int width) {
+        math::interruption_point();
         const auto [first, last] = block.orders_of(column, width);
         const int count = last - first + 1;
         const Scalar* start = waves.data() + first * stride + column;
@@ -285,6 +289,7 @@ void AngularFunctionsOf<Scalar>::add_forms(double weight, const TriangularForm<S
     constexpr int half = kRegisterSize<Scalar>, piece = 2 * half;
     const auto add = [&](const Matrix& functions, const TriangularForm<Scalar>& form) {
         for (int column = 0; column < form.count(); column += piece) {
+            math::interruption_point();
             const Scalar* start = form.row(column) + column;
             const int columns = std::min(piece, form.count() - column);
             const int count = form.count() - column;

@@ -219,8 +219,11 @@ def test_nothing_leaks():
         lambda: Scene("hg:0.99,0.95", coats="hg:0.99,0.9@20").brdf(
             550, 0.5, 0.5, streams=128, coat_method="first-order", coat_substeps=100000
         ),
+        lambda: Scene("H2O_ice,radius=600,coating=H2O@10um").brdf(550, 0.5, 0.5),
+        lambda: miebrdf.ensemble("H2O", 550, radius_um=2000, variance=1e-3, highest_moment=2000),
+        lambda: miebrdf.amplitudes(1.33 + 1e-9j, 1e6, np.linspace(0, 180, 1801)),
     ],
-    ids=["many values", "phase function", "steps of a coat"],
+    ids=["many values", "phase function", "steps of a coat", "coated spheres", "moments", "amplitudes"],
 )
 def test_ctrl_c_ends_one_wavelength(work):
     """Each takes ten seconds and more."""

@@ -2,7 +2,10 @@
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
 
+#include <algorithm>
 #include <complex>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +22,9 @@ namespace {
 using namespace mie;
 using Complexes = std::vector<std::complex<double>>;
 using Numbers = std::vector<double>;
+
+/// Partial waves times angles between two looks at Ctrl-C: some milliseconds.
+constexpr std::size_t kWavesPerJob = 1'000'000;
 
 /// Efficiencies of each pair (index, size parameter), all pairs of one quantity together.
 py::dict spheres(const Complexes& index, const Numbers& size_parameter,
@@ -53,13 +59,26 @@ py::dict spheres(const Complexes& index, const Numbers& size_parameter,
     return columns;
 }
 
-py::tuple amplitudes(std::complex<double> index, double size_parameter, const Numbers& angles_deg) {
-    Amplitudes both;
-    {
-        const py::gil_scoped_release unlocked;
-        both = scattering_amplitudes(index, size_parameter, angles_deg);
-    }
-    return py::make_tuple(array_of(std::move(both.s1)), array_of(std::move(both.s2)));
+py::tuple amplitudes(std::complex<double> index, double size_parameter, const Numbers& angles_deg,
+                     const CallOptions& options) {
+    LongCall call(options);
+    auto all = call.run([&] {
+        Coefficients waves;
+        run_parallel("Mie theory", 1, call.control(),
+                     [&](std::size_t) { waves = mie_coefficients(index, size_parameter); });
+        const std::span<const double> angles(angles_deg);
+        const std::size_t count = angles.size();
+        const std::size_t of_job = std::max<std::size_t>(1, kWavesPerJob / waves.a.size());
+        Amplitudes both{Complexes(count), Complexes(count)};
+        run_parallel("angles", (count + of_job - 1) / of_job, call.control(), [&](std::size_t job) {
+            const std::size_t first = job * of_job, here = std::min(of_job, count - first);
+            const Amplitudes some = scattering_amplitudes(waves, angles.subspan(first, here));
+            std::ranges::copy(some.s1, both.s1.begin() + std::ptrdiff_t(first));
+            std::ranges::copy(some.s2, both.s2.begin() + std::ptrdiff_t(first));
+        });
+        return both;
+    });
+    return py::make_tuple(array_of(std::move(all.s1)), array_of(std::move(all.s2)));
 }
 
 py::tuple coefficients(std::complex<double> index, double size_parameter) {
@@ -151,7 +170,7 @@ void bind_mie(py::module_& module) {
     module.def("spheres", &spheres, py::arg("index"), py::arg("size_parameter"),
                py::arg("options"));
     module.def("amplitudes", &amplitudes, py::arg("index"), py::arg("size_parameter"),
-               py::arg("angles_deg"));
+               py::arg("angles_deg"), py::arg("options"));
     module.def("coefficients", &coefficients, py::arg("index"), py::arg("size_parameter"));
 
     py::class_<SizeDistribution>(module, "SizeDistribution")

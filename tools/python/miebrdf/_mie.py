@@ -103,7 +103,8 @@ def amplitudes(
     >>> abs(s1) ** 2, abs(s2) ** 2
     """
     angles = numbers("angles_deg", angles_deg)
-    s1, s2 = _core.amplitudes(complex(m), float(x), angles.reshape(-1).tolist())
+    with Call() as options:
+        s1, s2 = _core.amplitudes(complex(m), float(x), angles.reshape(-1).tolist(), options)
     return s1.reshape(angles.shape), s2.reshape(angles.shape)
 
 
