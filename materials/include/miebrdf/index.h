@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <miebrdf/language.h>
+
 #pragma GCC visibility push(default)
 namespace miebrdf::materials {
 

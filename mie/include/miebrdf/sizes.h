@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include <miebrdf/language.h>
+
 #pragma GCC visibility push(default)
 namespace miebrdf::mie {
 

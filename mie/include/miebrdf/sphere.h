@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <miebrdf/language.h>
+
 #pragma GCC visibility push(default)
 namespace miebrdf::mie {
 

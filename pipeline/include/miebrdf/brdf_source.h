@@ -3,6 +3,7 @@
 #pragma once
 
 #include <miebrdf/control.h>
+#include <miebrdf/language.h>
 
 #include <array>
 #include <memory>

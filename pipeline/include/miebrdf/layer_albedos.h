@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <miebrdf/control.h>
+#include <miebrdf/language.h>
 #include <miebrdf/solver.h>
 
 #pragma GCC visibility push(default)

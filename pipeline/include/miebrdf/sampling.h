@@ -7,6 +7,7 @@
 
 #include <miebrdf/brdf_source.h>
 #include <miebrdf/control.h>
+#include <miebrdf/language.h>
 
 #include <memory>
 #include <vector>

@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include <miebrdf/language.h>
+
 #pragma GCC visibility push(default)
 namespace miebrdf::rte {
 

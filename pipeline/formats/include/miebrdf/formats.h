@@ -22,6 +22,7 @@
 #include <miebrdf/brdf_source.h>
 #include <miebrdf/control.h>
 #include <miebrdf/error.h>
+#include <miebrdf/language.h>
 #include <miebrdf/solver.h>
 
 #pragma GCC visibility push(default)

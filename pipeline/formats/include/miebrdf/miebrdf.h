@@ -7,11 +7,6 @@
 // docs/versions.md.
 #pragma once
 
-#if __cplusplus < 202002L
-#error \
-    "miebrdf needs C++20: compile with -std=c++20, or link to miebrdf::miebrdf, which asks for it"
-#else
-
 #include <miebrdf/brdf.h>
 #include <miebrdf/brdf_source.h>
 #include <miebrdf/colour.h>
@@ -22,6 +17,7 @@
 #include <miebrdf/fit.h>
 #include <miebrdf/formats.h>
 #include <miebrdf/index.h>
+#include <miebrdf/language.h>
 #include <miebrdf/layer_albedos.h>
 #include <miebrdf/matrix_expansion.h>
 #include <miebrdf/measured.h>
@@ -38,5 +34,3 @@
 #include <miebrdf/transfer.h>
 #include <miebrdf/value_derivatives.h>
 #include <miebrdf/version.h>
-
-#endif

@@ -8,6 +8,7 @@
 
 #include <miebrdf/brdf_source.h>
 #include <miebrdf/error.h>
+#include <miebrdf/language.h>
 
 #include <filesystem>
 #include <limits>

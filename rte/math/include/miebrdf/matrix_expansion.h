@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <miebrdf/language.h>
+
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
