@@ -118,6 +118,15 @@ def test_the_table_is_within_the_stated_error(solved):
     assert np.max(np.abs(table - exact) / largest) <= 2 * solved.report.tolerance
 
 
+def test_cosines_of_unit_vectors_in_single_precision_count_as_one(solved):
+    beyond = float(np.float32(1.0000001))
+    assert beyond > 1
+    np.testing.assert_array_equal(solved(beyond, [0.5, beyond]), solved(1.0, [0.5, 1.0]))
+    for wrong in (1.00001, 0.0, np.nan):
+        with pytest.raises(miebrdf.UsageError, match=r"mu_out: .* is out of range; allowed: \(0, 1\]"):
+            solved(0.5, wrong)
+
+
 def test_values_do_not_depend_on_their_company(solved):
     together = solved(MU[:, None], MU, 30.0)
     alone = [[solved(a, b, 30.0) for b in MU[:3]] for a in MU[:3]]

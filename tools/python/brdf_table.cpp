@@ -1,10 +1,10 @@
 #include "tools/python/brdf_table.h"
 
+#include <miebrdf/brdf_source.h>
 #include <miebrdf/error.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <span>
@@ -66,16 +66,6 @@ class Walk {
     std::vector<const char*> place_;
     std::vector<std::vector<py::ssize_t>> strides_;
 };
-
-double checked_cosine(const char* name, double mu) {
-    if (!(mu > 0.0 && mu <= 1.0)) throw UsageError(name, mu, "(0, 1]");
-    return mu;
-}
-
-double checked_azimuth(double azimuth_deg) {
-    if (!std::isfinite(azimuth_deg)) throw UsageError("azimuth_deg", azimuth_deg, "finite");
-    return azimuth_deg;
-}
 
 /// Runs at once, or watched when it takes longer.
 void run_for(py::ssize_t count, const CallOptions& options,
@@ -150,7 +140,7 @@ void SolvedTable::evaluate(const NumberArray& mu_in, const NumberArray& mu_out,
     }
     double* const target = out.mutable_data();
     run_for(count * wavelengths, options, [&](const Control& control) {
-        std::vector<Direction> directions, near;
+        std::vector<Direction> directions, storage, near;
         std::vector<double> values(static_cast<std::size_t>(kChunk * wavelengths));
         NearOrder near_order;
         const std::vector<std::uint32_t>& order = near_order.order;
@@ -158,16 +148,16 @@ void SolvedTable::evaluate(const NumberArray& mu_in, const NumberArray& mu_out,
             refuse_cancelled(control);
             const py::ssize_t some = std::min(kOrdered, count - first);
             directions.clear();
-            for (py::ssize_t d = 0; d < some; ++d, walk.next()) {
-                directions.push_back({checked_cosine("mu_in", walk[0]),
-                                      checked_cosine("mu_out", walk[1]), checked_azimuth(walk[2])});
-            }
-            near_order.arrange(directions);
+            storage.clear();
+            for (py::ssize_t d = 0; d < some; ++d, walk.next())
+                directions.push_back({walk[0], walk[1], walk[2]});
+            const auto valid = require_valid(directions, directions.size(), 1, storage);
+            near_order.arrange(valid);
             for (std::size_t done = 0; done < order.size(); done += near.size()) {
                 const auto chunk = std::span(order).subspan(done).first(
                     std::min<std::size_t>(kChunk, order.size() - done));
                 near.clear();
-                for (const std::uint32_t d : chunk) near.push_back(directions[d]);
+                for (const std::uint32_t d : chunk) near.push_back(valid[d]);
                 table_.evaluate(near,
                                 std::span(values).first(near.size() * std::size_t(wavelengths)));
                 for (py::ssize_t w = 0; w < wavelengths; ++w) {

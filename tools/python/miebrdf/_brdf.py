@@ -89,7 +89,7 @@ class Brdf(Albedos):
         Parameters
         ----------
         mu_in, mu_out : float or array
-            Cosines, in (0, 1].
+            Cosines, in (0, 1]; up to 1e-6 more, as of unit vectors in single precision, counts as 1.
         azimuth_deg : float or array
             0 = mirror side, 180 = back towards the source.
         theta_in_deg, theta_out_deg : float or array
