@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/math/policies/policy.hpp>
 #include <cmath>
+#include <memory>
 
 #include "mie/sizes/size_law.h"
 
@@ -37,11 +38,6 @@ RadiusRange between_tails(const Law& area, const Law& scattering, double mean_fo
     return {std::max(quantile(area, tail), 1e-6 * largest), largest};
 }
 
-template <typename Law>
-double share_within(const Law& area, const RadiusRange& range) {
-    return 1 - (cdf(area, range.smallest_um) + cdf(complement(area, range.largest_um)));
-}
-
 /// Radii whose density is that of a law of probability, within a range.
 template <typename Law>
 MappedRadius mapped_by_quantile(const Law& density, const RadiusRange& range, double t) {
@@ -49,6 +45,20 @@ MappedRadius mapped_by_quantile(const Law& density, const RadiusRange& range, do
     const double share = cdf(density, range.largest_um) - below;
     const double radius = quantile(density, below + t * share);
     return {radius, share / pdf(density, radius)};
+}
+
+/// The entry of a law: `area` gives n r^2 as a law of probability, Density is made of the sizes.
+template <auto area, typename Density>
+constexpr SizeLaw endless(SizeLaw law) {
+    law.has_ends = false;
+    law.area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
+        return std::make_unique<Density>(d);
+    };
+    law.area_share_within = [](const SizeDistribution& d, const RadiusRange& range) {
+        const auto density = area(d);
+        return 1 - (cdf(density, range.smallest_um) + cdf(complement(density, range.largest_um)));
+    };
+    return law;
 }
 
 /// The analytic continuation of a density is exp(log(n r^2)); its real values fix the constant.

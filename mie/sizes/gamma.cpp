@@ -58,20 +58,12 @@ MappedRadius gamma_radius_at(const SizeDistribution& d, const RadiusRange& range
 }  // namespace
 
 extern const SizeLaw kGamma;
-constinit const SizeLaw kGamma{
+constinit const SizeLaw kGamma = endless<gamma_area, GammaDensity>({
     .name = "gamma",
     .help = "n(r) ~ r^(1/b - 3) exp(-r / (a b)), effective radius a and variance b",
-    .has_ends = false,
     .range = gamma_range,
-    .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
-        return std::make_unique<GammaDensity>(d);
-    },
-    .area_share_within =
-        [](const SizeDistribution& d, const RadiusRange& within) {
-            return share_within(gamma_area(d), within);
-        },
     .radius_at = gamma_radius_at,
     .continuation_height = height_of_narrow_density,
-};
+});
 
 }  // namespace miebrdf::mie

@@ -63,20 +63,12 @@ MappedRadius log_normal_radius_at(const SizeDistribution& d, const RadiusRange& 
 }  // namespace
 
 extern const SizeLaw kLogNormal;
-constinit const SizeLaw kLogNormal{
+constinit const SizeLaw kLogNormal = endless<log_normal_area, LogNormalDensity>({
     .name = "log-normal",
     .help = "n(r) ~ exp(-ln^2(r / r_g) / (2 s)) / r, s = ln(1 + effective variance)",
-    .has_ends = false,
     .range = log_normal_range,
-    .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
-        return std::make_unique<LogNormalDensity>(d);
-    },
-    .area_share_within =
-        [](const SizeDistribution& d, const RadiusRange& within) {
-            return share_within(log_normal_area(d), within);
-        },
     .radius_at = log_normal_radius_at,
     .continuation_height = height_of_narrow_density,
-};
+});
 
 }  // namespace miebrdf::mie

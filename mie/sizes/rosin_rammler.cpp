@@ -102,21 +102,13 @@ MappedRadius rosin_rammler_radius_at(const SizeDistribution& d, const RadiusRang
 }  // namespace
 
 extern const SizeLaw kRosinRammler;
-constinit const SizeLaw kRosinRammler{
+constinit const SizeLaw kRosinRammler = endless<rosin_rammler_area, RosinRammlerDensity>({
     .name = "rosin-rammler",
     .help = "exp(-(r / r_0)^s) of the volume in particles larger than r",
-    .has_ends = false,
     .range = rosin_rammler_range,
-    .area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
-        return std::make_unique<RosinRammlerDensity>(d);
-    },
-    .area_share_within =
-        [](const SizeDistribution& d, const RadiusRange& within) {
-            return share_within(rosin_rammler_area(d), within);
-        },
     .radius_at = rosin_rammler_radius_at,
     // Where s times the angle of r + ih is pi/2, |exp(-(r / r_0)^s)| is 1: above, the tail grows.
     .continuation_height = [](const SizeDistribution& d) { return 0.5 * pi / exponent_of(d); },
-};
+});
 
 }  // namespace miebrdf::mie

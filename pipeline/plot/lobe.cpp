@@ -157,12 +157,7 @@ Picture draw_lobe(const std::vector<LobeCurve>& curves, const LobeOptions& optio
     const RadialScale scale(
         radial_options(options.value_label, options.logarithmic, options.decades, largest), values);
 
-    std::vector<LegendEntry> legend;
-    for (std::size_t i = 0; i < curves.size(); ++i) {
-        if (!curves[i].label.empty())
-            legend.push_back(
-                {curves[i].label, static_cast<int>(i), Mark::line, {}, curves[i].shade});
-    }
+    const std::vector<LegendEntry> legend = legend_of_lines(curves);
     const double legend_top = draw_title(nullptr, caption.title, kWidth) - 2.0;
     const double top = legend_top + draw_legend(nullptr, legend, 24, kWidth - 16, legend_top) + 24;
     const HalfDisk disk{{0.5 * kWidth, top + kRadius}};

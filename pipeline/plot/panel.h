@@ -22,6 +22,18 @@ struct LegendEntry {
     std::optional<double> shade = {};  ///< as of a curve
 };
 
+/// Entries of the curves that have a label, as lines in the order of the palette.
+template <typename Curve>
+std::vector<LegendEntry> legend_of_lines(const std::vector<Curve>& curves) {
+    std::vector<LegendEntry> legend;
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+        const Curve& curve = curves[i];
+        if (!curve.label.empty())
+            legend.push_back({curve.label, static_cast<int>(i), Mark::line, {}, curve.shade});
+    }
+    return legend;
+}
+
 /// Lays entries out in lines between `left` and `right`; draws them unless `drawing` is null.
 /// @return  height used
 double draw_legend(SvgDrawing* drawing, const std::vector<LegendEntry>& entries, double left,

@@ -90,12 +90,7 @@ Picture draw_phase_polar(const std::vector<PhaseCurve>& curves, const Caption& c
     if (decades == 0) decades = decades_of(range);
     const RadialScale scale(radial_options("phase function", true, decades, range.largest),
                             {range.largest});
-    std::vector<LegendEntry> legend;
-    for (std::size_t i = 0; i < curves.size(); ++i) {
-        if (!curves[i].label.empty())
-            legend.push_back(
-                {curves[i].label, static_cast<int>(i), Mark::line, {}, curves[i].shade});
-    }
+    const std::vector<LegendEntry> legend = legend_of_lines(curves);
     const double legend_top = draw_title(nullptr, caption.title, kWidth) - 2.0;
     const double top = legend_top + draw_legend(nullptr, legend, 24, kWidth - 16, legend_top) + 28;
     const Disk disk{{0.5 * kWidth + 16, top + kRadius}};

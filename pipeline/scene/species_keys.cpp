@@ -40,28 +40,13 @@ constexpr std::array<Unit, 5> kNumbersPerCm3 = {
 constexpr std::array<Unit, 4> kDensities = {
     {{"g/cm3", 1, 1}, {"kg/m3", 1, 1000}, {"kg/l", 1, 1}, {"", 1, 1}}};
 
-Kind parse_kind(const std::string& text, const std::string& species) {
+/// @param what  the medium and the key
+Kind parse_kind(const std::string& text, const std::string& what) {
     try {
         return mie::parse_size_distribution(text);
     } catch (const UsageError& error) {
-        throw UsageError(fmt::format("medium '{}': {}", species, error.what()));
+        throw UsageError(fmt::format("{}: {}", what.substr(0, what.rfind(':')), error.what()));
     }
-}
-
-/// Sets what is not set yet.
-template <typename Value>
-void set_once(std::optional<Value>& place, const Value& value, const std::string& key,
-              const std::string& species) {
-    if (place) throw UsageError(fmt::format("medium '{}': {} is given twice", species, key));
-    place = value;
-}
-
-void set_amount(Species& species, Amount amount, const std::string& text) {
-    if (species.amount) {
-        throw UsageError(
-            fmt::format("medium '{}': more than one amount; give volume, mass or number", text));
-    }
-    species.amount = amount;
 }
 
 /// A species on its way in.
@@ -111,63 +96,55 @@ const char* name_in(const Named<Value> (&all)[count], Value value) {
     return "";
 }
 
+/// Sets a member of a member of a species, once.
+template <auto read, auto... path>
+void once(Words& w, const std::string& value, const std::string& what, const std::string&) {
+    auto& place = (w.species.*....*path);
+    if (place) throw UsageError(what + " is given twice");
+    place = read(value, what);
+}
+
+template <const auto& units>
+double quantity(const std::string& value, const std::string& what) {
+    return parse_quantity(value, what, units);
+}
+
+template <const auto& all>
+auto one_of(const std::string& value, const std::string& what) {
+    return value_of(all, value, what);
+}
+
+template <Amount::Kind kind, const auto& units>
+void amount(Words& w, const std::string& value, const std::string& what, const std::string& text) {
+    if (w.species.amount) {
+        throw UsageError(
+            fmt::format("medium '{}': more than one amount; give volume, mass or number", text));
+    }
+    w.species.amount = {kind, parse_quantity(value, what, units)};
+}
+
+using Of = Species;
+using Sizes = ParticleSizes;
+using Shape = GrainShape;
+
 const std::vector<Key> kKeys = {
-    {"radius",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.species.sizes.effective_radius_um, parse_length_um(value, what), "radius",
-                  text);
-     }},
-    {"variance",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.species.sizes.effective_variance, parse_number(value, what), "variance", text);
-     }},
-    {"distribution",
-     [](Words& w, const std::string& value, const std::string&, const std::string& text) {
-         set_once(w.species.sizes.distribution, parse_kind(value, text), "distribution", text);
-     }},
-    {"density",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.species.density_g_cm3, parse_quantity(value, what, kDensities), "density",
-                  text);
-     }},
-    {"volume",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_amount(w.species,
-                    {Amount::Kind::volume_fraction, parse_quantity(value, what, kShares)}, text);
-     }},
-    {"mass",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_amount(w.species,
-                    {Amount::Kind::mass_fraction, parse_quantity(value, what, kMassShares)}, text);
-     }},
-    {"number",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_amount(w.species,
-                    {Amount::Kind::number_per_cm3, parse_quantity(value, what, kNumbersPerCm3)},
-                    text);
-     }},
+    {"radius", once<parse_length_um, &Of::sizes, &Sizes::effective_radius_um>},
+    {"variance", once<parse_number, &Of::sizes, &Sizes::effective_variance>},
+    {"distribution", once<parse_kind, &Of::sizes, &Sizes::distribution>},
+    {"density", once<quantity<kDensities>, &Of::density_g_cm3>},
+    {"volume", amount<Amount::Kind::volume_fraction, kShares>},
+    {"mass", amount<Amount::Kind::mass_fraction, kMassShares>},
+    {"number", amount<Amount::Kind::number_per_cm3, kNumbersPerCm3>},
     {"shape", [](Words& w, const std::string& value, const std::string& what,
                  const std::string&) { w.species.shape.kind = value_of(kShapes, value, what); }},
-    {"aspect",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.species.shape.aspect, parse_number(value, what), "aspect", text);
-     }},
+    {"aspect", once<parse_number, &Of::shape, &Shape::aspect>},
     {"method",
      [](Words& w, const std::string& value, const std::string& what, const std::string&) {
          w.species.shape.by_t_matrix = value_of(kMethods, value, what);
      }},
-    {"asymmetry",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.species.shape.asymmetry, parse_number(value, what), "asymmetry", text);
-     }},
-    {"absorption",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.species.shape.absorption, parse_number(value, what), "absorption", text);
-     }},
-    {"phase",
-     [](Words& w, const std::string& value, const std::string& what, const std::string& text) {
-         set_once(w.species.phase, value_of(kPhases, value, what), "phase", text);
-     }},
+    {"asymmetry", once<parse_number, &Of::shape, &Shape::asymmetry>},
+    {"absorption", once<parse_number, &Of::shape, &Shape::absorption>},
+    {"phase", once<one_of<kPhases>, &Of::phase>},
     {"coating",
      [](Words& w, const std::string& value, const std::string&, const std::string& text) {
          try {  // keys are taken from the end, coatings written from inside out

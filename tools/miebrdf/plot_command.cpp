@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -108,6 +109,22 @@ std::vector<double> incidences(const ScenePlotArguments& arguments) {
         return list;
     }
     return parse_number_list(arguments.incidence, "incidence (degrees)", 0.0, 89.9);
+}
+
+std::vector<double> reflection_angles(const std::string& list,
+                                      const std::vector<double>& incidence_deg, double step,
+                                      int count, double largest) {
+    std::vector<double> angles = parse_number_list(list, "zenith angle (degrees)");
+    for (const double incidence : incidence_deg) {
+        for (int i = -count; i <= count; ++i) {
+            const double angle = incidence + step * i;
+            if (angle >= 0.0 && angle <= largest) angles.push_back(angle);
+        }
+    }
+    std::sort(angles.begin(), angles.end());
+    const auto same = [](double a, double b) { return b - a < 1e-9; };
+    angles.erase(std::unique(angles.begin(), angles.end(), same), angles.end());
+    return angles;
 }
 
 std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene) {

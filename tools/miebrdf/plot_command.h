@@ -75,6 +75,12 @@ std::vector<double> cosines_of(const std::vector<double>& degrees);
 /// --incidence. @throws UsageError
 std::vector<double> incidences(const ScenePlotArguments& arguments);
 
+/// Angles of reflection in degrees, from 0 to `largest`: a list, and 2 * count + 1 around each
+/// incidence, `step` apart, where lobes and glories are narrow.
+std::vector<double> reflection_angles(const std::string& list,
+                                      const std::vector<double>& incidence_deg, double step,
+                                      int count, double largest);
+
 /// Names of components, separated by commas.
 /// @throws UsageError  for an unknown name, and for the surface of a scene without one
 std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene);

@@ -58,23 +58,6 @@ std::string label_of(rte::CoatMethod method) {
     return "exact";
 }
 
-/// Angles of reflection, closer around exact retro-reflection and the mirror direction, where
-/// glories and lobes are narrow.
-std::vector<double> zenith_angles(const std::vector<double>& incidence_deg) {
-    std::vector<double> list =
-        parse_number_list("0:88:0.5,88.2:89.8:0.2", "zenith angle (degrees)");
-    for (const double incidence : incidence_deg) {
-        for (int i = -40; i <= 40; ++i) {
-            const double angle = incidence + 0.05 * i;
-            if (angle >= 0.0 && angle < 89.9) list.push_back(angle);
-        }
-    }
-    std::sort(list.begin(), list.end());
-    const auto same = [](double a, double b) { return b - a < 1e-9; };
-    list.erase(std::unique(list.begin(), list.end(), same), list.end());
-    return list;
-}
-
 plot::AxisOptions value_axis(const ProfileArguments& arguments) {
     plot::AxisOptions axis{"BRDF [1/sr]",
                            arguments.logarithmic ? plot::Scale::logarithmic : plot::Scale::linear};
@@ -106,7 +89,8 @@ int run_profile(const ProfileArguments& arguments, const Shell& shell) {
     Request request = arguments.scene.parse();
     const double wavelength_nm = only_wavelength_nm(request, "profile");
     const std::vector<double> incidence_deg = incidences(arguments);
-    const std::vector<double> zenith_deg = zenith_angles(incidence_deg);
+    const std::vector<double> zenith_deg =
+        reflection_angles("0:88:0.5,88.2:89.8:0.2", incidence_deg, 0.05, 40, 89.9);
     const plot::AxisOptions axis = value_axis(arguments);
     std::vector<ProfilePoint> points;
     if (!arguments.points.empty()) points = read_profile_points(arguments.points);

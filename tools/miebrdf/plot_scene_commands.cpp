@@ -15,23 +15,6 @@
 namespace miebrdf::program {
 namespace {
 
-/// Angles of reflection: eight for each degree, because the bows of drops of 0.1 mm are a degree
-/// wide; closer around exact retro-reflection, where glories are narrow, and the mirror direction,
-/// where lobes of smooth surfaces are.
-std::vector<double> lobe_angles(const std::vector<double>& incidence_deg) {
-    std::vector<double> list = parse_number_list("0:89.5:0.125", "zenith angle (degrees)");
-    for (const double incidence : incidence_deg) {
-        for (int i = -32; i <= 32; ++i) {
-            const double angle = incidence + 0.0625 * i;
-            if (angle >= 0.0 && angle <= 89.5) list.push_back(angle);
-        }
-    }
-    std::sort(list.begin(), list.end());
-    const auto same = [](double a, double b) { return b - a < 1e-9; };
-    list.erase(std::unique(list.begin(), list.end(), same), list.end());
-    return list;
-}
-
 /// One curve out of a result: the plane of incidence for one mu_in.
 plot::LobeCurve lobe_curve(const std::vector<double>& values, std::size_t incidence,
                            const std::vector<double>& zenith_deg, bool with_cosine) {
@@ -66,7 +49,9 @@ int run_lobe(const ScenePlotArguments& arguments, const Shell& shell) {
     arguments.plot.check(shell);
     const Request request = arguments.scene.parse();
     const std::vector<double> incidence_deg = incidences(arguments);
-    const std::vector<double> zenith_deg = lobe_angles(incidence_deg);
+    // Eight for each degree: the bows of drops of 0.1 mm are a degree wide.
+    const std::vector<double> zenith_deg =
+        reflection_angles("0:89.5:0.125", incidence_deg, 0.0625, 32, 89.5);
     const Directions directions = {cosines_of(incidence_deg), cosines_of(zenith_deg), {0.0, 180.0}};
     const std::vector<double>& wavelength_nm = request.wavelength_nm;
     const std::vector<ShownScene> all_scenes = shown_scenes(arguments, request);
