@@ -2,30 +2,32 @@
 // tolerances, and how often they exceed what is stated. vary.py runs this with one constant changed
 // at a time.
 //
-//     ensemble_battery TRUTH [PART...]     PART: averages, points, tables, matrices
+//     ensemble_battery TRUTH [PART...]     PART: averages, points, tables, matrices; each with
+//                                          rare- before it for cases that constants were made for
 //
-// TRUTH is a file that holds the sums; it is made if it is not there (about two minutes).
+// TRUTH and TRUTH.rare are files that hold the sums; they are made if they are not there (minutes).
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/sphere_block.h"
+#include "tools/constants/tally.h"
 #include "tools/stress/dice.h"
 
 namespace {
 
 using namespace miebrdf;
+using constants::Tally;
 using stress::Dice;
 using Kind = mie::SizeDistributionKind;
 
@@ -34,8 +36,15 @@ constexpr double kWaveNumberPerUm = 2 * std::numbers::pi / 0.55;
 struct Spheres {
     std::complex<double> index;
     mie::SizeDistribution sizes;
-    std::vector<double> angles_deg;
+    std::vector<double> angles_deg = {};
+    std::vector<mie::ParticleCoating> coatings = {};
 };
+
+void put_angles(Dice& dice, Spheres& s) {
+    for (const double low : {0.0, 30.0, 60.0, 90.0, 120.0, 150.0})
+        s.angles_deg.push_back(dice.uniform(low, low + 30));
+    for (const double angle : {0.2, 2.0, 171.0, 177.5, 179.3, 180.0}) s.angles_deg.push_back(angle);
+}
 
 // Rippling spheres of every size, by rays and by sizes, and some that absorb.
 std::vector<Spheres> random_spheres() {
@@ -49,11 +58,39 @@ std::vector<Spheres> random_spheres() {
         s.sizes.effective_radius_um =
             i % 2 == 0 ? dice.logarithmic(8, 50) : dice.logarithmic(0.1, 8);
         s.sizes.effective_variance = dice.uniform(0.05, 0.25);
-        for (const double low : {0.0, 30.0, 60.0, 90.0, 120.0, 150.0})
-            s.angles_deg.push_back(dice.uniform(low, low + 30));
-        for (const double angle : {0.2, 2.0, 171.0, 177.5, 179.3, 180.0})
-            s.angles_deg.push_back(angle);
+        put_angles(dice, s);
         all.push_back(s);
+    }
+    return all;
+}
+
+// Five of each: huge and clear, narrow in size, metals, faint ones of many rays that cross, coated,
+// broad.
+std::vector<Spheres> rare_spheres() {
+    Dice dice(11);
+    std::vector<Spheres> all;
+    const auto add = [&](Kind kind, std::complex<double> index, double radius_um, double variance) {
+        Spheres s{index, {}};
+        s.sizes.kind = kind;
+        s.sizes.effective_radius_um = radius_um;
+        s.sizes.effective_variance = variance;
+        put_angles(dice, s);
+        all.push_back(s);
+    };
+    for (int i = 0; i < 5; ++i) {
+        const Kind kind = i % 2 == 0 ? Kind::power_law : Kind::gamma;
+        const double damping = i < 2 ? 0 : dice.logarithmic(1e-6, 1e-3);
+        add(kind, {dice.uniform(1.2, 2.6), damping}, dice.logarithmic(60, 160), 0.15);
+        add(kind, {dice.uniform(1.2, 2.6), damping}, dice.logarithmic(0.5, 15),
+            dice.logarithmic(1e-3, 0.02));
+        add(kind, {dice.uniform(0.2, 3), dice.logarithmic(0.3, 6)}, dice.logarithmic(0.05, 15),
+            0.1);
+        add(kind, {dice.uniform(1.03, 1.38), damping}, dice.logarithmic(6, 60), 0.2);
+        add(kind, {dice.uniform(1.3, 2), damping}, dice.logarithmic(0.1, 12), 0.15);
+        all.back().coatings = {
+            {{dice.uniform(1.2, 2.4), i == 4 ? 0.01 : 0}, 0, dice.uniform(0.02, 0.3)}};
+        add(Kind::log_normal, {dice.uniform(1.2, 2.6), damping}, dice.logarithmic(0.5, 12),
+            dice.uniform(0.4, 1));
     }
     return all;
 }
@@ -75,6 +112,14 @@ double area_density(const mie::SizeDistribution& sizes, double r) {
     return 1;  // n(r) ~ r^-3
 }
 
+mie::Scatterer scatterer_of(const Spheres& spheres) {
+    mie::Scatterer scatterer = spheres.index;
+    for (const mie::ParticleCoating& of : spheres.coatings)
+        scatterer.coatings.push_back(
+            {of.refractive_index, kWaveNumberPerUm * of.thickness_um, of.share_of_radius});
+    return scatterer;
+}
+
 // Four rounds of one grid each, at shifts of their own: their scatter is the noise of their mean.
 Truth truth_of(const Spheres& spheres) {
     constexpr int kRounds = 4;
@@ -85,7 +130,8 @@ Truth truth_of(const Spheres& spheres) {
         int(kWaveNumberPerUm * range.largest_um * std::log(ratio) / (kSpacing * kRounds)), 500,
         12000);
     const double step = std::log(ratio) / count;
-    const int terms = mie::number_of_terms(kWaveNumberPerUm * range.largest_um);
+    const mie::Scatterer scatterer = scatterer_of(spheres);
+    const int terms = scatterer.terms(kWaveNumberPerUm * range.largest_um);
     const mie::AngularFunctions angular(spheres.angles_deg, terms);
     Eigen::ArrayXXd rounds(spheres.angles_deg.size(), kRounds), rest(3, kRounds);
     const double shifts[kRounds] = {0.137, 0.412, 0.633, 0.902};
@@ -103,7 +149,7 @@ Truth truth_of(const Spheres& spheres) {
                 number.push_back(weight / (x.back() * x.back()));
                 area += weight;
             }
-            const auto sums = mie::compute_spheres(spheres.index, x, number, &block);
+            const auto sums = mie::compute_spheres(scatterer, x, number, &block);
             scattered += 2 * sums.scattered;
             absorbed += 2 * sums.absorbed;
             asymmetric += 2 * sums.asymmetric;
@@ -155,37 +201,11 @@ double beyond(double value, double truth, double noise) {
     return std::max(0.0, std::abs(value - truth) - 2 * noise);
 }
 
-class Tally {
-  public:
-    /// Values whose truth is too noisy to tell are left out.
-    void add(double error, double noise, double stated, double tolerance) {
-        if (2 * noise > std::max(stated, tolerance)) return;
-        in_tolerances_.push_back(error / tolerance);
-        of_stated_.push_back(error / std::max(stated, 1e-300));
-    }
-    void print(const char* part, double seconds) {
-        const auto count = double(of_stated_.size());
-        const auto above = [&](double times) {
-            return 100 *
-                   double(std::count_if(of_stated_.begin(), of_stated_.end(),
-                                        [&](double v) { return !(v <= times); })) /
-                   count;
-        };
-        std::sort(in_tolerances_.begin(), in_tolerances_.end());
-        const double high = in_tolerances_[std::size_t(0.99 * (count - 1))];
-        std::printf("%s,%g,%.3g,%.3g,%.2f,%.2f,%.3g,%.3f\n", part, count,
-                    in_tolerances_[std::size_t(0.5 * (count - 1))], high, above(1), above(3),
-                    *std::max_element(of_stated_.begin(), of_stated_.end()), seconds);
-    }
-
-  private:
-    std::vector<double> in_tolerances_, of_stated_;
-};
-
 mie::EnsembleRequest request_of(const Spheres& spheres) {
     mie::EnsembleRequest request;
     request.sizes = spheres.sizes;
     request.refractive_index = spheres.index;
+    request.coatings = spheres.coatings;
     return request;
 }
 
@@ -281,32 +301,27 @@ void matrices(const std::vector<Spheres>& all, const std::vector<Truth>& truth, 
 
 int main(int count, char** arguments) {
     if (count < 2) {
-        std::fprintf(stderr, "ensemble_battery TRUTH [averages|points|tables|matrices...]\n");
+        std::fprintf(stderr,
+                     "ensemble_battery TRUTH [[rare-]averages|points|tables|matrices...]\n");
         return 2;
     }
-    const std::vector<Spheres> spheres = random_spheres();
-    std::vector<Truth> truth;
-    if (!load(arguments[1], spheres, truth)) {
-        truth.clear();
-        for (const Spheres& s : spheres) truth.push_back(truth_of(s));
-        store(arguments[1], truth);
-    }
     using Part = void (*)(const std::vector<Spheres>&, const std::vector<Truth>&, Tally&);
-    const std::pair<const char*, Part> parts[] = {
+    const std::pair<std::string, Part> parts[] = {
         {"averages", averages}, {"points", points}, {"tables", tables}, {"matrices", matrices}};
-    std::printf(
-        "part,values,median_in_tolerances,p99_in_tolerances,percent_beyond_stated,"
-        "percent_beyond_3_stated,worst_over_stated,seconds\n");
-    for (const auto& [name, part] : parts) {
-        const bool is_wanted = count == 2 || std::any_of(arguments + 2, arguments + count,
-                                                         [wanted = name](const char* word) {
-                                                             return std::strcmp(word, wanted) == 0;
-                                                         });
-        if (!is_wanted) continue;
-        Tally tally;
-        const auto began = std::clock();
-        part(spheres, truth, tally);
-        tally.print(name, double(std::clock() - began) / CLOCKS_PER_SEC);
+    constants::print_header();
+    for (const std::string prefix : {"", "rare-"}) {
+        const std::vector<Spheres> spheres = prefix.empty() ? random_spheres() : rare_spheres();
+        const std::string file = arguments[1] + std::string(prefix.empty() ? "" : ".rare");
+        std::vector<Truth> truth;
+        for (const auto& [name, part] : parts) {
+            if (!constants::is_wanted(prefix + name, count, arguments)) continue;
+            if (truth.empty() && !load(file, spheres, truth)) {
+                truth.clear();
+                for (const Spheres& s : spheres) truth.push_back(truth_of(s));
+                store(file, truth);
+            }
+            constants::measure(prefix + name, [&](Tally& tally) { part(spheres, truth, tally); });
+        }
     }
     return 0;
 }

@@ -1,40 +1,48 @@
 #!/usr/bin/env python3
-"""What each constant of the averages over sizes does: errors and time with half and twice its value.
+"""What each constant of mie and rte does: errors and time with half and twice its value.
 
-    tools/constants/vary.py BUILD [--work FOLDER] [--only NAME...] [--factors 0.5,2]
+    tools/constants/vary.py mie|rte BUILD [--work FOLDER] [--only NAME...] [--factors 0.5,2]
 
 Without --only, constants that change time alone are left out.
 
-BUILD is a configured and built tree (`build/native`), whose flags and libmiebrdf_math.a are taken.
-A copy of mie/ is compiled in which the constants of the records in mie/ensemble and mie/sizes read
-an environment variable; ensemble_battery (beside this script) measures the parts of the averages
-that a constant may matter to. Printed are tables in Markdown: the errors as they are (in
-tolerances; how many exceed the error stated), and what changes with each constant. Some minutes for
-the copy, half a minute for each constant.
+BUILD is a configured and built tree (`build/native`), whose flags and libraries are taken. Copies of
+the files with constants are compiled in which these read an environment variable, and linked before
+the libraries; a battery (beside this script) measures the parts that a constant may matter to:
+ensemble_battery averages over sizes, transfer_battery radiative transfer. Printed are tables in
+Markdown: the errors as they are (in tolerances; how many exceed the error stated), and what changes
+with each constant. Some minutes for the copy, half a minute for each constant.
 """
 import argparse, json, os, pathlib, re, shlex, subprocess, sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 DECLARATION = re.compile(
-    r'^(?P<indent> *)(?P<scope>static |inline )?constexpr (?P<type>double|float|int|std::size_t) '
-    r'(?P<list>k\w+ =[^;{}]*);', re.M)
+    r'^(?P<indent> *)(?P<scope>static |inline )?constexpr (?P<type>double|float|int|std::size_t|Eigen::Index) '
+    r'(?P<list>[a-z]\w+ =[^;{}]*);', re.M)
 # Sizes of arrays and of registers, which change no more than rounding and time, and the constants
 # of formats.
 FIXED = {'kAnglesPerTile', 'kTileStep', 'kRegisters', 'kCount', 'kVectors', 'kPanelNodes', 'kNodes',
          'kTileRows', 'kGroup', 'kDiagonalsPerJob', 'kInterpolating', 'kPieceNodes', 'kPowers',
          'kRowsPerRate', 'kPiece', 'kEnds', 'kPi', 'kInfinity', 'kDegree', 'kBytesPerWave', 'kJobs',
          'kBothSamples', 'kPieceWaves', 'kMostSizesPerBlock', 'kMostRays', 'kMostRates',
-         'kRegisterSize', 'kNumbers', 'kIncidences'}
+         'kRegisterSize', 'kNumbers', 'kIncidences', 'kTogether', 'kNeighbours', 'kDip', 'kFewestNodes', 'kMostNodes',
+         'kCut', 'kLargest', 'kHalf', 'half', 'whole', 'unknown', 'never', 'piece', 'columns', 'part', 'count', 'N',
+         'last', 'end', 'kLeastIndex', 'kLargestIndex', 'kLeastRoughIndex', 'kLeastIndexStep', 'shares_of_two',
+         'kSeriesLanes', 'kStreams'}
 # Memory, pieces for threads, limits of patience, rounding: they change time or nothing.
 TIME_ALONE = {'kMostKept', 'kMostChunksOfSample', 'kLeastChunkOfSample', 'kMostColumns', 'kMostOfFunctions',
               'kTilesPerJob', 'kTilesWorthACopy', 'kMostChunks', 'kLeastChunk', 'kChunkMemory', 'kPartMemory',
               'kAnglesPerJob', 'kNodesAtOnce', 'kProductsPerSecond', 'kMostProducts', 'kMostPerPiece',
               'kMostTermsAtAngles', 'kJustAllowed', 'kRounding', 'kLeastLoss', 'kRoundedToNothing', 'kNegligible',
               'kNodeLimit', 'kLeastSingleTolerance', 'kLeastTableTolerance', 'kMomentsToJudge',
+              'kMostKeptPairs', 'kMostAtOnce', 'kLargestCoefficientWise', 'most', 'small', 'rounding', 'kStraight',
               'kDefaultTolerance', 'kPlateau', 'kRamp', 'kFinest', 'kLastLevel', 'kLeastTolerance', 'kBackward'}
 # Spheroids, derivatives and whole laws of sizes are not in the battery.
 NOT_MEASURED = ('spheroid_average.cpp', 'average_difference.cpp', 'mean_cross_section.cpp', 'size_laws.cpp')
+ROOMS = {'mie': ('ensemble', 'sizes'),
+         'rte': ('boundary', 'first_order', 'fourier', 'grid', 'half_space', 'layer', 'math/tolerance_budget.h',
+                 'phase', 'stack', 'surface')}
+LIBRARIES = ('mie/libmiebrdf_mie.a', 'rte/libmiebrdf_rte.a', 'rte/math/libmiebrdf_math.a')
 VARY = '''#pragma once
 #include <cmath>
 #include <cstdlib>
@@ -49,11 +57,16 @@ T vary(const char* name, T value) {
     return T(changed);
 }
 '''
-PARTS = [(r'matrix_average|matrix_series', ['matrices']),
-         (r'ray_average', ['averages', 'points', 'tables']),
-         (r'exact_extinction|size_passes|moment_transform|ray_moments|size_nodes', ['averages', 'matrices']),
-         (r'ensemble\.cpp|particle_ensemble', ['averages', 'tables', 'matrices']),
-         (r'', ['points', 'tables'])]
+SETS = ('', 'rare-')
+PARTS = {'mie': [(r'matrix_average|matrix_series', ['matrices']),
+                 (r'ray_average', ['averages', 'points', 'tables']),
+                 (r'exact_extinction|size_passes|moment_transform|ray_moments|size_nodes', ['averages', 'matrices']),
+                 (r'ensemble\.cpp|particle_ensemble', ['averages', 'tables', 'matrices']),
+                 (r'', ['points', 'tables'])],
+         'rte': [(r'facet|rough_|panel_functions', ['rough']),
+                 (r'refraction_grid', ['smooth', 'rough']),
+                 (r'glory|spectral', ['spheres']),
+                 (r'', ['media', 'coats', 'smooth', 'spheres'])]}
 
 
 def split(declarators):
@@ -80,59 +93,67 @@ def changeable(text, file, found):
     return changed if changed == text else '#include "vary.h"\n' + changed
 
 
-def compile_flags(build):
+def compile_flags(build, area):
     for entry in json.load(open(build / 'compile_commands.json')):
         words = shlex.split(entry['command'])
-        if any(w.endswith('cxx.o') and 'miebrdf_mie.dir' in w or w.endswith('cpp.o') and 'miebrdf_mie.dir' in w for w in words):
+        if any(w.endswith(('cxx.o', 'cpp.o')) and f'miebrdf_{area}.dir' in w for w in words):
             kept = [w for w in words if w.startswith(('-D', '-O', '-m', '-std', '-f')) and w != '-fpch-preprocess']
             for flag in ('-I', '-isystem'):
                 for i, w in enumerate(words):
                     if w == flag: kept += [flag, words[i + 1]]
                     elif w.startswith(flag) and w != flag and flag == '-I': kept.append(w)
             return kept
-    sys.exit('no compile command of mie/ in ' + str(build))
+    sys.exit(f'no compile command of {area}/ in {build}')
 
 
-def make_battery(build, work):
-    found, sources = [], []
-    for path in sorted(ROOT.glob('mie/**/*')):
-        if path.suffix not in ('.cpp', '.h'): continue
+def make_battery(area, build, work):
+    """The battery, and the constants as (file, name, value)."""
+    found, changed = [], {}
+    for path in sorted((ROOT / area).glob('**/*')):
         relative = path.relative_to(ROOT)
-        text = path.read_text()
-        if relative.parts[1] in ('ensemble', 'sizes') and relative.name not in NOT_MEASURED:
-            text = changeable(text, relative.name, found)
+        if path.suffix not in ('.cpp', '.h') or relative.name in NOT_MEASURED: continue
+        if not any(str(relative).startswith(f'{area}/{room}') for room in ROOMS[area]): continue
+        text = changeable(path.read_text(), relative.name, found)
+        if text != path.read_text(): changed[relative] = text
+    headers = [str(r) for r in changed if r.suffix == '.h']
+    for path in sorted((ROOT / area).glob('**/*.cpp')):  # those that include a changed header
+        relative, text = path.relative_to(ROOT), path.read_text()
+        includes = any(f'"{h}"' in text for h in headers) and relative.parts[1] in ROOMS[area]
+        if relative not in changed and includes: changed[relative] = text
+    work.mkdir(parents=True, exist_ok=True)
+    for relative, text in {pathlib.Path('vary.h'): VARY, **changed}.items():
         target = work / relative
         target.parent.mkdir(parents=True, exist_ok=True)
         if not target.exists() or target.read_text() != text: target.write_text(text)
-        if path.suffix == '.cpp': sources.append(target)
-    (work / 'vary.h').write_text(VARY)
-    flags = ['-I' + str(work), '-I' + str(work / 'mie/include')] + compile_flags(build)
-    # As mie/CMakeLists.txt has it: several files at a time, but for those that share names.
-    units = {'battery': [HERE / 'ensemble_battery.cpp']}
-    for folder in ('sphere', 'spheroid', 'ensemble', 'sizes'):
-        own = [s for s in sources if s.parent.name == folder]
-        alone = [s for s in own if folder == 'sizes' or s.stem in ('radial_functions', 'far_rays')]
-        units |= {f'{folder}_{s.stem}': [s] for s in alone}
-        together = [s for s in own if s not in alone]
-        for i in range(0, len(together), 5): units[f'{folder}_{i}'] = together[i:i + 5]
+    name = {'mie': 'ensemble_battery', 'rte': 'transfer_battery'}[area]
+    flags = ['-I' + str(work), '-I' + str(ROOT), '-I' + str(ROOT / 'mie/include')] + compile_flags(build, area)
+    newest = max(f.stat().st_mtime for f in work.glob('**/*.h'))
+    # Up to six files of a room at a time, as the libraries are compiled.
+    units = {name: [HERE / (name + '.cpp')]}
+    for room in sorted({r.parts[1] for r in changed}):
+        own = [work / r for r in changed if r.suffix == '.cpp' and r.parts[1] == room]
+        alone = [f for f in own if room == 'sizes' or f.stem == 'far_rays']  # share names
+        own = [f for f in own if f not in alone]
+        units |= {f.stem: [f] for f in alone}
+        units |= {f'{room}_{i}': own[i:i + 6] for i in range(0, len(own), 6)}
     objects = []
-    for name, files in units.items():
-        text = ''.join(f'#include "{f}"\n' for f in files)
-        source, object_ = work / (name + '.cpp'), work / (name + '.o')
-        objects.append(str(object_))
-        newest = max(f.stat().st_mtime for f in [*files, *work.glob('mie/**/*.h')])
-        if object_.exists() and object_.stat().st_mtime > newest: continue
-        source.write_text(text)
-        subprocess.run(['c++', *flags, '-w', '-c', str(source), '-o', str(object_)], check=True)
-    program = work / 'ensemble_battery'
-    subprocess.run(['c++', *objects, str(build / 'rte/math/libmiebrdf_math.a'), '-lfmt', '-o', str(program)], check=True)
-    return program, found
+    for unit, files in units.items():
+        source = work / (unit + '_unit.cpp')
+        objects.append(source.with_suffix('.o'))
+        if objects[-1].exists() and objects[-1].stat().st_mtime > max(newest, *(f.stat().st_mtime for f in files)):
+            continue
+        source.write_text(''.join(f'#include "{f}"\n' for f in files))
+        subprocess.run(['c++', *flags, '-w', '-c', str(source), '-o', str(objects[-1])], check=True)
+    # What stands in the libraries too is taken from the objects, which come first.
+    subprocess.run(['c++', '-Wl,--allow-multiple-definition', *map(str, objects), *(str(build / l) for l in LIBRARIES),
+                    '-lfmt', '-ltbb', '-o', str(work / name)], check=True)
+    return work / name, found
 
 
-def measure(program, truth, parts, vary=''):
+def measure(program, truth, parts, vary='', timeout=300):
     try:
         out = subprocess.run([str(program), str(truth), *parts], env={**os.environ, 'VARY': vary},
-                             capture_output=True, text=True, timeout=300)
+                             capture_output=True, text=True, timeout=timeout)
     except subprocess.TimeoutExpired:
         return None
     if out.returncode != 0: return None
@@ -157,15 +178,18 @@ def change(after, before):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('area', choices=('mie', 'rte'))
     parser.add_argument('build', type=pathlib.Path)
     parser.add_argument('--work', type=pathlib.Path, default=pathlib.Path('/tmp/miebrdf-constants'))
     parser.add_argument('--only', nargs='*', default=[])
     parser.add_argument('--factors', default='0.5,2')
     options = parser.parse_args()
-    program, found = make_battery(options.build.resolve(), options.work)
-    truth = options.work / 'truth.txt'
-    parts = ['averages', 'points', 'tables', 'matrices']
-    before = measure(program, truth, parts)
+    work = options.work / options.area
+    program, found = make_battery(options.area, options.build.resolve(), work)
+    truth = work / 'truth.txt'
+    # No names: all parts. The first time this makes the sums, too.
+    before = measure(program, truth, [], timeout=None)
+    parts = list(before)
     print('| part | values | median error | 99 % | beyond stated | worst over stated | seconds |\n' + '|---' * 7 + '|')
     for part in parts:
         b = before[part]
@@ -175,7 +199,8 @@ def main():
     for file, name, value in found:
         if options.only and not any(re.search(o, f'{file}:{name}') for o in options.only): continue
         if not options.only and name in TIME_ALONE: continue
-        own = next(p for pattern, p in PARTS if re.search(pattern, file))
+        own = next(p for pattern, p in PARTS[options.area] if re.search(pattern, file))
+        own = [s + p for s in SETS for p in own if s + p in before]
         cells = [change(measure(program, truth, own, f'{file}:{name}*{f}'), before) for f in factors]
         print(f'| {file.split(".")[0]}: {name} | {value} | {" | ".join(cells)} |', flush=True)
 

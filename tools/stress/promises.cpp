@@ -20,49 +20,10 @@
 #include "tools/bench/discrete_problem.h"
 #include "tools/stress/battery.h"
 #include "tools/stress/dice.h"
+#include "tools/stress/random_media.h"
 
 namespace miebrdf::stress {
 namespace {
-
-double random_albedo(Dice& dice) {
-    switch (dice.integer(0, 4)) {
-        case 0:
-            return 1.0;
-        case 1:
-            return 1.0 - dice.logarithmic(1e-8, 1e-2);
-        case 2:
-            return dice.logarithmic(1e-4, 0.1);
-        default:
-            return dice.uniform(0.0, 1.0);
-    }
-}
-
-rte::Optics random_smooth(Dice& dice) {
-    const double albedo = random_albedo(dice);
-    switch (dice.integer(0, 4)) {
-        case 0:
-            return rte::isotropic_optics(albedo);
-        case 1:
-            return rte::rayleigh_optics(albedo);
-        default:
-            return rte::henyey_greenstein_optics(albedo, dice.uniform(-0.5, 0.85));
-    }
-}
-
-Directions random_directions(Dice& dice) {
-    const auto cosines = [&] {
-        std::vector<double> list;
-        for (int i = dice.integer(1, 3); i > 0; --i)
-            list.push_back(dice.chance(0.2) ? 1.0 : dice.logarithmic(0.02, 1.0));
-        return list;
-    };
-    Directions directions{cosines(), cosines(), {}};
-    if (dice.chance(0.3)) directions.mu_out = directions.mu_in;
-    for (int i = dice.integer(1, 3); i > 0; --i)
-        directions.azimuth_deg.push_back(dice.chance(0.5) ? 180.0 * dice.integer(0, 1)
-                                                          : dice.uniform(0.0, 180.0));
-    return directions;
-}
 
 /// Largest error, relative to the largest true value at that incidence.
 double error_of(const std::vector<double>& values, const std::vector<double>& truth,
