@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "materials/readers/text.h"
@@ -15,67 +17,74 @@ using Quantity = MeasuredQuantity;
 using Geometry = MeasuredGeometry;
 
 constexpr std::pair<std::string_view, Role> kRoles[] = {
-    {"theta_in", Role::theta_in},
-    {"theta_i", Role::theta_in},
-    {"thetain", Role::theta_in},
-    {"thetai", Role::theta_in},
-    {"theta_0", Role::theta_in},
-    {"incidence", Role::theta_in},
-    {"incidence_angle", Role::theta_in},
-    {"incident_angle", Role::theta_in},
-    {"angle_in", Role::theta_in},
-    {"sun_zenith", Role::theta_in},
-    {"sza", Role::theta_in},
-    {"theta_out", Role::theta_out},
-    {"theta_r", Role::theta_out},
-    {"theta_s", Role::theta_out},
-    {"theta_o", Role::theta_out},
-    {"theta_v", Role::theta_out},
-    {"thetaout", Role::theta_out},
-    {"thetar", Role::theta_out},
-    {"thetas", Role::theta_out},
-    {"emission", Role::theta_out},
-    {"emission_angle", Role::theta_out},
-    {"viewing_angle", Role::theta_out},
-    {"reflection_angle", Role::theta_out},
-    {"scatter_angle", Role::theta_out},
-    {"angle_out", Role::theta_out},
-    {"view_zenith", Role::theta_out},
-    {"vza", Role::theta_out},
-    {"mu_in", Role::mu_in},
-    {"mu_i", Role::mu_in},
-    {"mu_0", Role::mu_in},
-    {"mu0", Role::mu_in},
-    {"mu_out", Role::mu_out},
-    {"mu_r", Role::mu_out},
-    {"mu", Role::mu_out},
-    {"phi", Role::phi},
-    {"azimuth", Role::phi},
-    {"relative_azimuth", Role::phi},
-    {"delta_phi", Role::phi},
-    {"dphi", Role::phi},
-    {"raa", Role::phi},
-    {"phi_in", Role::phi_in},
-    {"phi_i", Role::phi_in},
-    {"phiin", Role::phi_in},
-    {"phii", Role::phi_in},
-    {"azimuth_in", Role::phi_in},
-    {"phi_out", Role::phi_out},
-    {"phi_r", Role::phi_out},
-    {"phi_s", Role::phi_out},
-    {"phi_o", Role::phi_out},
-    {"phi_v", Role::phi_out},
-    {"phiout", Role::phi_out},
-    {"phir", Role::phi_out},
-    {"azimuth_out", Role::phi_out},
-    {"quantity", Role::quantity},
-    {"geometry", Role::geometry},
-    {"sample", Role::sample},
-    {"sample_name", Role::sample},
-    {"name", Role::sample},
-    {"specimen", Role::sample},
-    {"value", Role::value},
+    {"mu_in", Role::mu_in},        {"mu_i", Role::mu_in},
+    {"mu_0", Role::mu_in},         {"mu0", Role::mu_in},
+    {"mu_out", Role::mu_out},      {"mu_r", Role::mu_out},
+    {"mu", Role::mu_out},          {"quantity", Role::quantity},
+    {"geometry", Role::geometry},  {"sample", Role::sample},
+    {"sample_name", Role::sample}, {"name", Role::sample},
+    {"specimen", Role::sample},    {"sample_id", Role::sample},
+    {"sampleid", Role::sample},    {"id", Role::sample},
+    {"value", Role::value},        {"sza", Role::theta_in},
+    {"vza", Role::theta_out},      {"saa", Role::phi_in},
+    {"vaa", Role::phi_out},        {"raa", Role::phi},
+    {"dphi", Role::phi},           {"aoi", Role::theta_in},
+    {"incidence", Role::theta_in}, {"emission", Role::theta_out},
 };
+
+template <std::size_t N>
+bool is_one_of(std::string_view word, const std::string_view (&words)[N]) {
+    return std::find(std::begin(words), std::end(words), word) != std::end(words);
+}
+
+/// Names of directions: an angle and a side in either order, `theta_i`, `thetar`,
+/// `solar_zenith_angle`, `incident azimuth`, `relative_azimuth`.
+std::optional<Role> direction_role(const std::string& bare) {
+    static constexpr std::string_view kZenith[] = {"theta", "zenith", "polar"};
+    static constexpr std::string_view kAzimuth[] = {"phi", "azimuth", "azimuthal", "azi"};
+    static constexpr std::string_view kIn[] = {"i",         "in",    "inc",          "incident",
+                                               "incidence", "0",     "source",       "sun",
+                                               "solar",     "light", "illumination", "input"};
+    static constexpr std::string_view kOut[] = {
+        "r",           "out",        "s",        "o",         "v",        "e",       "refl",
+        "reflected",   "reflection", "scatter",  "scattered", "view",     "viewing", "observer",
+        "observation", "sensor",     "detector", "emission",  "emergent", "exit",    "output"};
+    static constexpr std::string_view kFill[] = {"angle", "direction", "of"};
+    static constexpr std::string_view kRelative[] = {"relative", "rel", "delta", "difference"};
+    bool zenith = false, azimuth = false, in = false, out = false, angle = false, relative = false;
+    std::size_t begin = 0;
+    while (begin <= bare.size()) {
+        const std::size_t end = std::min(bare.find('_', begin), bare.size());
+        std::string_view word = std::string_view(bare).substr(begin, end - begin);
+        begin = end + 1;
+        for (const auto& [name, is_azimuth] :
+             {std::pair<std::string_view, bool>{"theta", false}, {"phi", true}}) {
+            if (!word.starts_with(name) || word.size() == name.size()) continue;
+            (is_azimuth ? azimuth : zenith) = true;  // "thetai"
+            word.remove_prefix(name.size());
+        }
+        if (is_one_of(word, kZenith)) {
+            zenith = true;
+        } else if (is_one_of(word, kAzimuth)) {
+            azimuth = true;
+        } else if (is_one_of(word, kIn)) {
+            in = true;
+        } else if (is_one_of(word, kOut)) {
+            out = true;
+        } else if (is_one_of(word, kRelative)) {
+            relative = true;
+        } else if (is_one_of(word, kFill)) {
+            angle = true;
+        } else {
+            return std::nullopt;
+        }
+    }
+    if ((in && out) || (zenith && azimuth)) return std::nullopt;
+    if (azimuth && (relative || (!in && !out))) return Role::phi;
+    if (relative || (!in && !out) || !(zenith || azimuth || angle)) return std::nullopt;
+    if (azimuth) return in ? Role::phi_in : Role::phi_out;
+    return in ? Role::theta_in : Role::theta_out;
+}
 
 /// Names of values that are no words of measured_kind().
 constexpr std::pair<std::string_view, MeasuredKind> kValues[] = {
@@ -103,6 +112,8 @@ constexpr std::pair<std::string_view, MeasuredKind> kValues[] = {
     {"radiance_factor", {Quantity::reflectance_factor, Geometry::directions}},
     {"fr", {Quantity::brdf, Geometry::directions}},
     {"f_r", {Quantity::brdf, Geometry::directions}},
+    {"fr11", {Quantity::brdf, Geometry::directions}},
+    {"f_r11", {Quantity::brdf, Geometry::directions}},
     {"m11", {Quantity::brdf, Geometry::directions}},
     {"l", {Quantity::lab_l, Geometry::unknown}},
     {"l*", {Quantity::lab_l, Geometry::unknown}},
@@ -112,6 +123,27 @@ constexpr std::pair<std::string_view, MeasuredKind> kValues[] = {
     {"b*", {Quantity::lab_b, Geometry::unknown}},
     {"lab_b", {Quantity::lab_b, Geometry::unknown}},
 };
+
+/// "Wellenlänge [nm]" -> "wavelength [nm]", whatever its encoding; "Reflexionsgrad" likewise.
+std::string in_english(std::string_view name) {
+    static constexpr std::pair<std::string_view, std::string_view> kWords[] = {
+        {"wellenl", "wavelength"},
+        {"longueur d", "wavelength"},
+        {"longitud de onda", "wavelength"},
+        {"lunghezza d", "wavelength"},
+        {"reflexion", "reflectance"},
+        {"reflectancia", "reflectance"},
+        {"riflettanza", "reflectance"},
+        {"transmissionsgrad", "transmittance"}};
+    const std::string text = materials::lower_case(name);
+    for (const auto& [word, english] : kWords) {
+        if (!text.starts_with(word)) continue;
+        const std::size_t unit = name.find_first_of("([{%");
+        return std::string(english) +
+               (unit == std::string_view::npos ? "" : " " + std::string(name.substr(unit)));
+    }
+    return std::string(name);
+}
 
 std::optional<MeasuredKind> kind_of(const std::string& bare) {
     for (const auto& [name, kind] : kValues) {
@@ -126,9 +158,10 @@ std::optional<MeasuredKind> kind_of(const std::string& bare) {
 
 }  // namespace
 
-ColumnRole column_role(std::string_view name) {
+ColumnRole column_role(std::string_view given) {
     ColumnRole column;
-    const std::string bare = bare_name(name), text = materials::lower_case(name);
+    const std::string name = in_english(given), bare = bare_name(name),
+                      text = materials::lower_case(name);
     // A unit alone ("nm") names wavelengths; a single letter ("A") may be an albedo.
     const auto spectral = materials::spectral_name(name);
     if (spectral && text.size() > 1) {
@@ -139,9 +172,12 @@ ColumnRole column_role(std::string_view name) {
         return column;
     }
     if (text == "azimuth_deg") return {Role::azimuth_deg};
-    for (const auto& [known, role] : kRoles) {
-        if (known != bare) continue;
-        column.role = role;
+    std::optional<Role> role = direction_role(bare);
+    for (const auto& [known, of_known] : kRoles) {
+        if (known == bare) role = of_known;
+    }
+    if (role) {
+        column.role = *role;
         column.radians = text.find("rad") != std::string::npos;
         return column;
     }

@@ -12,6 +12,7 @@
 #include "pipeline/measured/azimuth.h"
 #include "pipeline/measured/columns.h"
 #include "pipeline/measured/sheet.h"
+#include "pipeline/measured/spectra_in_rows.h"
 
 namespace miebrdf::measured {
 namespace {
@@ -27,7 +28,7 @@ struct ValueColumn {
     std::optional<MeasuredKind> kind;  ///< nothing: the rows say it, or the options
     bool times_mu_out = false;
     double factor = 1.0;
-    std::optional<std::size_t> sigma = {};
+    std::optional<std::size_t> sigma = {}, wavelength = {};
 };
 
 /// A table whose lines have one wavelength or direction each.
@@ -37,15 +38,21 @@ class LongTable {
         : file_(file), sheet_(std::move(sheet)), options_(options) {
         for (std::size_t c = 0; c < sheet_.names.size(); ++c)
             roles_.push_back(column_role(sheet_.names[c]));
+        // `phi` beside the azimuth of reflection is that of incidence.
+        if (find(Role::phi_out) && !find(Role::phi_in)) {
+            for (ColumnRole& column : roles_) {
+                if (column.role == Role::phi) column.role = Role::phi_in;
+            }
+        }
     }
 
     Measurements read() {
         choose_columns();
         find_sigmas();
-        find_unit();
+        find_units();
         for (ValueColumn& column : columns_) {
-            const bool says =
-                says_percent(column.name) || (sheet_.says_percent() && is_large(column));
+            const bool says = says_percent(sheet_.names[column.index]) ||
+                              (sheet_.says_percent() && is_large(column));
             column.factor = share_factor(list_, options_, says, column.name);
         }
         drop_repeated_facts();
@@ -98,8 +105,10 @@ class LongTable {
             refuse(file_, sheet_.names_line,
                    fmt::format("no column of values; there are {}", fmt::join(sheet_.names, ", ")));
         }
-        for (const std::size_t c : chosen)
+        for (const std::size_t c : chosen) {
             columns_.push_back({c, sheet_.names[c], roles_[c].kind, roles_[c].times_mu_out});
+            set_wavelength(columns_.back());
+        }
         if (asked.empty() && !known.empty() && !unknown.empty()) {
             std::vector<std::string> names(unknown.size());
             std::transform(unknown.begin(), unknown.end(), names.begin(),
@@ -133,20 +142,40 @@ class LongTable {
         }
     }
 
-    void find_unit() {
-        const auto column = find(Role::wavelength);
-        if (!column) return;
-        if (roles_[*column].unit) {
-            unit_ = *roles_[*column].unit;
+    /// Of several columns of wavelengths the nearest before a value is its own; such values have
+    /// one name, and what they are of stands above.
+    void set_wavelength(ValueColumn& column) const {
+        column.wavelength = find(Role::wavelength);
+        if (!column.wavelength) return;
+        for (std::size_t c = *column.wavelength; c < column.index; ++c) {
+            if (roles_[c].role == Role::wavelength) column.wavelength = c;
+        }
+        if (std::count(sheet_.names.begin(), sheet_.names.end(), column.name) < 2) return;
+        for (const std::size_t c : {column.index, *column.wavelength}) {
+            if (c >= sheet_.above.size() || sheet_.above[c].empty()) continue;
+            column.name = sheet_.above[c];
             return;
         }
-        double largest = 0.0;
-        for (const SheetRow& row : sheet_.rows)
-            largest = std::max(largest, row.cells[*column].number.value_or(0.0));
-        unit_ = largest >= kLeastNm ? materials::Unit::nanometre : materials::Unit::micrometre;
-        list_.facts.emplace_back(
-            sheet_.names[*column],
-            fmt::format("taken as {}: the largest is {:g}", materials::name_of(unit_), largest));
+        column.name = fmt::format("{} #{}", column.name, column.index + 1);
+    }
+
+    void find_units() {
+        units_.assign(roles_.size(), materials::Unit::nanometre);
+        for (std::size_t c = 0; c < roles_.size(); ++c) {
+            if (roles_[c].role != Role::wavelength) continue;
+            if (roles_[c].unit) {
+                units_[c] = *roles_[c].unit;
+                continue;
+            }
+            double largest = 0.0;
+            for (const SheetRow& row : sheet_.rows)
+                largest = std::max(largest, row.cells[c].number.value_or(0.0));
+            units_[c] =
+                largest >= kLeastNm ? materials::Unit::nanometre : materials::Unit::micrometre;
+            list_.facts.emplace_back(sheet_.names[c],
+                                     fmt::format("taken as {}: the largest is {:g}",
+                                                 materials::name_of(units_[c]), largest));
+        }
     }
 
     void drop_repeated_facts() {
@@ -218,20 +247,19 @@ class LongTable {
                            word));
     }
 
+    double wavelength_of(const SheetRow& row, std::size_t column) const {
+        const SheetCell& cell = row.cells[column];
+        if (!cell.number && cell.text.empty()) return MeasuredValue{}.wavelength_nm;
+        if (!cell.number)
+            refuse(file_, row.line, fmt::format("wavelength '{}' is not a number", cell.text));
+        if (!(*cell.number > 0.0))
+            refuse(file_, row.line, fmt::format("wavelength {}; allowed: above 0", *cell.number));
+        return materials::to_nm(*cell.number, units_[column]);
+    }
+
     void read_row(const SheetRow& row) {
         MeasuredValue value;
         value.line = row.line;
-        if (const auto column = find(Role::wavelength)) {
-            const auto& number = row.cells[*column].number;
-            const std::string& as_text = row.cells[*column].text;
-            if (number && !(*number > 0.0)) {
-                refuse(file_, row.line, fmt::format("wavelength {}; allowed: above 0", *number));
-            }
-            if (!number && !as_text.empty()) {
-                refuse(file_, row.line, fmt::format("wavelength '{}' is not a number", as_text));
-            }
-            if (number) value.wavelength_nm = materials::to_nm(*number, unit_);
-        }
         RawDirection raw;
         raw.theta_in = angle(row, Role::theta_in);
         raw.theta_out = angle(row, Role::theta_out);
@@ -251,6 +279,7 @@ class LongTable {
                 if (missing_++ == 0) first_missing_ = row.line;
                 continue;
             }
+            if (column.wavelength) value.wavelength_nm = wavelength_of(row, *column.wavelength);
             const MeasuredKind kind = kind_of_row(row, column);
             value.quantity = kind.quantity;
             value.geometry = kind.geometry;
@@ -274,69 +303,13 @@ class LongTable {
     const MeasuredOptions& options_;
     std::vector<ColumnRole> roles_;
     std::vector<ValueColumn> columns_;
-    materials::Unit unit_ = materials::Unit::nanometre;
+    std::vector<materials::Unit> units_;  ///< of each column
     Measurements list_;
     std::map<std::string, std::size_t> samples_;
     std::vector<RawDirection> raw_;
     std::size_t missing_ = 0;
     int first_missing_ = 0;
 };
-
-/// Spectra in rows: wavelengths name the columns at the end, the others name the sample.
-Measurements read_rows(const MeasuredFile& file, const Sheet& sheet,
-                       const MeasuredOptions& options) {
-    Measurements list;
-    std::size_t first = sheet.names.size();
-    while (first > 0 && wavelength_in_name(sheet.names[first - 1])) --first;
-    bool percent = sheet.says_percent();
-    std::size_t missing = 0;
-    int first_missing = 0;
-    double largest = 0.0;
-    for (const SheetRow& row : sheet.rows) {
-        for (std::size_t c = first; c < row.cells.size(); ++c)
-            largest = std::max(largest, row.cells[c].number.value_or(0.0));
-    }
-    percent = percent && largest > 2.0;
-    for (std::size_t c = first; c < sheet.names.size(); ++c)
-        percent = percent || says_percent(sheet.names[c]);
-    const double factor = share_factor(list, options, percent, "as the file says");
-    for (const SheetRow& row : sheet.rows) {
-        std::string name, words;
-        for (std::size_t c = 0; c < first; ++c) {
-            if (row.cells[c].text.empty()) continue;
-            name += (name.empty() ? "" : " ") + row.cells[c].text;
-        }
-        if (name.empty()) name = fmt::format("row {}", list.samples.size() + 1);
-        std::vector<double> nm, values;
-        for (std::size_t c = first; c < sheet.names.size(); ++c) {
-            const SheetCell& cell = row.cells[c];
-            if (!cell.number) {
-                if (!cell.is_missing) {
-                    refuse(file, row.line,
-                           fmt::format("'{}' at {} is not a number", cell.text, sheet.names[c]));
-                }
-                if (missing++ == 0) first_missing = row.line;
-                continue;
-            }
-            nm.push_back(*wavelength_in_name(sheet.names[c]));
-            values.push_back(*cell.number * (cell.is_percent ? 1.0 : factor));
-        }
-        NamedGeometry geometry = geometry_in(name);
-        // A cell of its own may say it: "SCI".
-        for (std::size_t c = 0; c < first; ++c) {
-            const ColumnRole role = column_role(row.cells[c].text);
-            if (role.kind && role.kind->geometry != MeasuredGeometry::unknown)
-                geometry.geometry = role.kind->geometry;
-        }
-        add_spectrum(list, name, {MeasuredQuantity::reflectance, geometry.geometry}, geometry.mu_in,
-                     nm, values, std::vector<int>(nm.size(), row.line));
-    }
-    if (missing > 0) {
-        list.doubts.push_back(fmt::format("{}:{}: {} field{} without a number, left out", file.path,
-                                          first_missing, missing, missing > 1 ? "s" : ""));
-    }
-    return list;
-}
 
 /// Two or three columns of numbers without names: wavelength, value and perhaps sigma.
 Measurements read_nameless(const MeasuredFile& file, Sheet sheet, const MeasuredOptions& options) {
@@ -376,7 +349,10 @@ bool looks_like_table(const MeasuredFile& file) {
 Measurements read_table(const MeasuredFile& file, const MeasuredOptions& options) {
     Sheet sheet = read_sheet(file);
     if (sheet.rows.empty()) refuse(file, 0, "has no rows; the first line names the columns");
-    if (sheet.names_are_wavelengths) return read_rows(file, sheet, options);
+    if (sheet.names_are_wavelengths) {
+        if (!has_directions(sheet)) return read_spectra_in_rows(file, sheet, options);
+        sheet = one_value_a_line(sheet);
+    }
     if (is_nameless(sheet)) return read_nameless(file, std::move(sheet), options);
     if (sheet.names.empty()) {
         refuse(file, 1,

@@ -68,8 +68,17 @@ bool find_names(TextTable& table, Sheet& sheet, bool& has_blank_name) {
             }
         }
         sheet.remarks.push_back(fmt::format("{}", fmt::join(fields, " ")));
+        sheet.above = std::move(fields);
     }
     return false;
+}
+
+/// Whether no line begins with a number any more: what programs write below their data.
+bool only_words_follow(TextTable table) {
+    while (table.next()) {
+        if (materials::table_number(table.fields().front())) return false;
+    }
+    return true;
 }
 
 SheetCell cell_of(TextTable& table, const std::string& text) {
@@ -100,7 +109,8 @@ bool Sheet::says_percent() const {
 
 std::optional<double> wavelength_in_name(std::string_view name) {
     static constexpr std::string_view kBefore[] = {
-        "spectral_nm", "spectral_", "spec_", "r_", "r", "nm_", "nm", "wl_", "wl", "x", "refl_", ""};
+        "spectral_nm_", "spectral_nm", "spectral_", "spec_", "r_",    "r", "nm_",
+        "nm",           "wl_",         "wl",        "x",     "refl_", ""};
     std::string text = lower_case(name);
     for (const std::string_view end : {"nm", "_nm", " "}) {
         if (text.ends_with(end)) text = lower_case(text.substr(0, text.size() - end.size()));
@@ -160,6 +170,11 @@ Sheet read_sheet(const MeasuredFile& file) {
                                                            : sheet.names.size();
         while (fields.size() > expected && fields.back().empty()) fields.pop_back();
         if (fields.size() != expected) {
+            if (!sheet.rows.empty() && !materials::table_number(fields.front()) &&
+                only_words_follow(table)) {
+                sheet.remarks.push_back(fmt::format("{}", fmt::join(fields, " ")));
+                continue;
+            }
             table.refuse(
                 fmt::format("{} fields; the lines above have {}. Decimal commas need semicolons "
                             "between the fields; a file may be cut off",

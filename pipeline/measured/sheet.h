@@ -26,7 +26,8 @@ struct Sheet {
     std::vector<std::string> names;  ///< empty where the file names no columns
     int names_line = 0;
     std::vector<SheetRow> rows;
-    std::vector<std::string> remarks;    ///< comments, and lines above the names
+    std::vector<std::string> remarks;    ///< comments, and lines above the names and below the rows
+    std::vector<std::string> above;      ///< the fields of the line above the names
     bool names_are_wavelengths = false;  ///< from `first_wavelength` on: spectra in rows
 
     /// Whether a remark says so of the values: "in percent", "[%]".

@@ -69,6 +69,31 @@ TEST_CASE("one azimuth means what is asked for, what the program means, or what 
     CHECK(azimuths(back) == std::vector<int>{180, 0});
 }
 
+TEST_CASE("directions go by the names of laboratories and of remote sensing",
+          "[measured][goniometer]") {
+    for (const std::string names :
+         {"theta_i,phi_i,theta_r,phi_r", "thetai,phii,thetar,phir", "thetai,phi,thetar,phir",
+          "SZA,SAA,VZA,VAA", "incident zenith,incident azimuth,view zenith,view azimuth",
+          "Theta_in [deg],Phi_in [deg],Theta_out [deg],Phi_out [deg]",
+          "solar_zenith_angle,solar_azimuth_angle,sensor_zenith_angle,sensor_azimuth_angle",
+          "theta_source,phi_source,theta_detector,phi_detector"}) {
+        CAPTURE(names);
+        const Measurements list =
+            read_text(names + ",wavelength_nm,f_r11\n30,10,40,10,532,0.3\n30,10,40,100,532,0.5\n");
+        REQUIRE(list.values.size() == 2);
+        CHECK(azimuths(list) == std::vector<int>{180, 90});
+        CHECK(theta_of(list.values[0].mu_in) == Approx(30));
+        CHECK(theta_of(list.values[0].mu_out) == Approx(40));
+        CHECK(list.values[0].quantity == MeasuredQuantity::brdf);
+    }
+    // Rusinkiewicz's angles, and the angle between two directions, are others.
+    for (const std::string names : {"theta_h,theta_d", "theta_i,scattering_angle"}) {
+        CAPTURE(names);
+        const Measurements list = read_text(names + ",nm,brdf\n10,20,550,0.3\n");
+        CHECK(std::isnan(list.values[0].mu_out));
+    }
+}
+
 TEST_CASE("signs of theta_out are the two sides of a plane", "[measured][goniometer]") {
     MeasuredOptions options;
     options.azimuth_zero = "mirror";
