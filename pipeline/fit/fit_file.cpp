@@ -33,7 +33,10 @@ class FitFile : TomlFile {
         for (const auto& [name, node] :
              in_order(table_of("unknowns", "radius = \"100 in 20:1000 log\" for {radius}"))) {
             const auto text = node->value_exact<std::string>();
-            if (!text) refuse(*node, "an unknown is a text, \"START in LOW:HIGH\"");
+            if (!text)
+                refuse(*node, fmt::format("unknown '{}' is a text, \"START in LOW:HIGH\"; a number "
+                                          "that is known stands in [scene] itself",
+                                          name));
             at(*node, [&, &key = name] { problem_.unknowns.push_back(unknown(key, *text)); });
         }
         read_how();
@@ -43,7 +46,7 @@ class FitFile : TomlFile {
                 fmt::format("{} '{}' has no [[measured]]; add one with file = \"measured.csv\"",
                             kKind, path()));
         for (const toml::node& set : *sets->as_array()) read_measured(*set.as_table());
-        at(root(), [&] { fitting::checked(problem_); });
+        at(*root().get("unknowns"), [&] { fitting::checked(problem_); });
         return std::move(problem_);
     }
 
@@ -80,7 +83,11 @@ class FitFile : TomlFile {
 
     double number_of(const toml::node& node, const std::string& key) const {
         const auto number = node.value<double>();
-        if (!number || node.is_boolean()) refuse(node, fmt::format("'{}' is a number", key));
+        if (!number || node.is_boolean()) {
+            const std::string text = node.value_or(std::string());
+            refuse(node, fmt::format("'{}' is a number{}", key,
+                                     text.empty() ? "" : fmt::format("; given: '{}'", text)));
+        }
         return *number;
     }
 
@@ -109,11 +116,19 @@ class FitFile : TomlFile {
         if (node == nullptr) return;
         const toml::table& how = table_of("fit", "starts, loss, iterations");
         check_keys(how, {"starts", "loss", "iterations"}, "key");
-        if (const auto starts = number_of_key(how, "starts")) problem_.starts = int(*starts);
-        if (const auto most = number_of_key(how, "iterations"))
-            problem_.most_iterations = int(*most);
+        const auto count_of = [&](const std::string& key, int& count) {
+            const auto number = number_of_key(how, key);
+            if (!number) return;
+            if (!(std::abs(*number) <= 1e6) || *number != std::floor(*number))
+                refuse(*how.get(key),
+                       fmt::format("'{}' is {}; allowed: a whole number", key, *number));
+            count = int(*number);
+        };
+        count_of("starts", problem_.starts);
+        count_of("iterations", problem_.most_iterations);
         if (const toml::node* loss = how.get("loss"))
             at(*loss, [&] { fitting::set_loss(problem_, text_of(how, "loss")); });
+        at(*node, [&] { fitting::check_search(problem_); });
     }
 
     /// The cosine that either of two keys says.
@@ -124,9 +139,14 @@ class FitFile : TomlFile {
             refuse(*set.get("theta_" + side),
                    fmt::format("mu_{0} and theta_{0} say the same; give one of them", side));
         if (theta && !(*theta >= 0.0 && *theta < 90.0))
-            refuse(*set.get("theta_" + side), "an angle from the normal, [0, 90) degrees");
+            refuse(*set.get("theta_" + side),
+                   fmt::format("theta_{} {}; allowed: an angle from the normal, [0, 90) degrees",
+                               side, *theta));
         if (mu && !(*mu > 0.0 && *mu <= 1.0))
-            refuse(*set.get("mu_" + side), "a cosine from the normal, in (0, 1]");
+            refuse(*set.get("mu_" + side),
+                   fmt::format("mu_{0} {1}; allowed: a cosine from the normal, in (0, 1]; degrees "
+                               "are theta_{0}",
+                               side, *mu));
         return theta ? std::cos(*theta * std::numbers::pi / 180.0) : mu;
     }
 
@@ -151,7 +171,7 @@ class FitFile : TomlFile {
         if (words.values.empty() && words.wavelength_nm.size() == 1)
             options.wavelength_nm = words.wavelength_nm[0];
         if (const std::string range = text_of(set, "wavelengths"); !range.empty())
-            at(*set.get("wavelengths"), [&] { words.range = fitting::wavelength_range(range); });
+            at(*set.get("wavelengths"), [&] { words.ranges = fitting::wavelength_ranges(range); });
         const std::string file = text_of(set, "file");
         if (file.empty() == words.values.empty())
             refuse(set,
@@ -160,8 +180,10 @@ class FitFile : TomlFile {
         if (!file.empty()) words.file = (std::filesystem::path(folder_) / file).string();
         FitData data;
         data.name = text_of(set, "name");
-        if (data.name.empty()) data.name = file.empty() ? "values" : file;
-        if (!options.column.empty()) data.name += " " + options.column;
+        if (data.name.empty()) {
+            data.name = file.empty() ? "values" : file;
+            if (!options.column.empty()) data.name += " " + options.column;
+        }
         const auto same = [&](const FitData& other) { return other.name == data.name; };
         if (std::any_of(problem_.data.begin(), problem_.data.end(), same))
             data.name += fmt::format(" #{}", problem_.data.size() + 1);
@@ -177,7 +199,10 @@ class FitFile : TomlFile {
             if (!own->is_table()) refuse(*own, "'scene' is { word = \"value\" }");
             data.scene = scene_of(*own->as_table());
         }
-        at(set, [&] { fitting::read_values(words, data); });
+        at(set, [&] {
+            fitting::read_values(words, data);
+            fitting::check_data(data);
+        });
         problem_.data.push_back(std::move(data));
     }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -86,20 +87,27 @@ void complete(MeasuredValue& value, const MeasuredOptions& options) {
     if (value.quantity >= MeasuredQuantity::lab_l) fill(value.mu_in, cosine(kSphereDegrees));
 }
 
-void keep_range(std::vector<MeasuredValue>& values, std::pair<double, double> range) {
+void keep_ranges(std::vector<MeasuredValue>& values,
+                 const std::vector<std::pair<double, double>>& ranges) {
     double first = std::numeric_limits<double>::infinity(), last = 0.0;
     for (const MeasuredValue& value : values) {
         first = std::min(first, value.wavelength_nm);
         last = std::max(last, value.wavelength_nm);
     }
-    std::erase_if(values, [&](const MeasuredValue& value) {
-        return !(value.wavelength_nm >= range.first && value.wavelength_nm <= range.second);
-    });
-    if (values.empty() && last > 0.0)
-        throw UsageError(
-            fmt::format("wavelengths {}:{} nm: no value is there; the data have {} to "
-                        "{} nm",
-                        range.first, range.second, first, last));
+    if (!(last > 0.0)) return;
+    std::vector<MeasuredValue> kept;
+    for (const auto& [from, to] : ranges) {
+        const std::size_t before = kept.size();
+        std::copy_if(values.begin(), values.end(), std::back_inserter(kept),
+                     [from = from, to = to](const MeasuredValue& value) {
+                         return value.wavelength_nm >= from && value.wavelength_nm <= to;
+                     });
+        if (kept.size() == before)
+            throw UsageError(
+                fmt::format("wavelengths {}:{} nm: no value is there; the data have {} to {} nm",
+                            from, to, first, last));
+    }
+    values = std::move(kept);
 }
 
 }  // namespace
@@ -117,17 +125,24 @@ void read_values(const MeasuredWords& words, FitData& data) {
         values = std::move(measured.values);
         data.doubts = std::move(measured.doubts);
     }
-    if (words.range) keep_range(values, *words.range);
+    if (!words.ranges.empty()) keep_ranges(values, words.ranges);
     for (MeasuredValue& value : values) complete(value, words.options);
 }
 
-std::pair<double, double> wavelength_range(const std::string& text) {
-    const auto parts = split_list(text, ':');
-    if (parts.size() == 2) {
-        const double first = parse_wavelength_nm(parts[0]), last = parse_wavelength_nm(parts[1]);
-        if (first <= last) return {first, last};
+std::vector<std::pair<double, double>> wavelength_ranges(const std::string& text) {
+    std::vector<std::pair<double, double>> ranges;
+    for (const std::string& part : split_list(text, ',')) {
+        const auto ends = split_list(part, ':');
+        const double first = ends.size() == 2 ? parse_wavelength_nm(ends[0]) : 0.0,
+                     last = ends.size() == 2 ? parse_wavelength_nm(ends[1]) : -1.0;
+        if (!(first <= last) || (!ranges.empty() && first <= ranges.back().second))
+            throw UsageError(
+                fmt::format("wavelengths '{}'; write FIRST:LAST, \"900:1250\", or ascending ranges "
+                            "after commas, \"900:925,960:1100\"",
+                            text));
+        ranges.emplace_back(first, last);
     }
-    throw UsageError(fmt::format("wavelengths '{}'; write FIRST:LAST, \"900:1250\"", text));
+    return ranges;
 }
 
 void set_loss(FitProblem& problem, const std::string& text) {

@@ -3,8 +3,8 @@
 
 #include <miebrdf/fit.h>
 
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace miebrdf::fitting {
@@ -14,15 +14,16 @@ struct MeasuredWords {
     std::string file = {};  ///< empty: `values` at `wavelength_nm`
     MeasuredOptions options = {};
     std::vector<double> values = {}, wavelength_nm = {};
-    std::optional<std::pair<double, double>> range = {};  ///< of wavelengths that count, nm
+    std::vector<std::pair<double, double>> ranges =
+        {};  ///< of wavelengths that count, nm; none: all
 };
 
 /// Puts them into `values`, and what may be wrong with them into `doubts`.
 /// @throws UsageError, InputError  with what would help
 void read_values(const MeasuredWords& words, FitData& data);
 
-/// Reads `FIRST:LAST` in nm. @throws UsageError
-std::pair<double, double> wavelength_range(const std::string& text);
+/// Reads `FIRST:LAST` in nm, or several of them after commas. @throws UsageError
+std::vector<std::pair<double, double>> wavelength_ranges(const std::string& text);
 
 /// Reads `squares`, `huber` or `cauchy`, then perhaps `:WIDTH` in sigmas.
 /// @throws UsageError

@@ -25,6 +25,9 @@ bool has_view(const MeasuredValue& value) {
 /// more.
 constexpr double kShareError = 0.05;
 
+/// Of L*: a reflectance that is too large by twice kShareError.
+constexpr double kWhitest = 104.0;
+
 void check_value(const FitData& data, const MeasuredValue& value) {
     const auto refuse = [&](const std::string& reason) {
         throw InputError(fmt::format("{}: {}", describe(data, value), reason));
@@ -40,6 +43,8 @@ void check_value(const FitData& data, const MeasuredValue& value) {
     if (!is_lab(value) && value.value < -kShareError)
         refuse(fmt::format("{} is negative; leave the row out", value.value));
     if (is_lab(value)) {
+        if (value.quantity == MeasuredQuantity::lab_l && value.value > kWhitest)
+            refuse(fmt::format("L* is {}; allowed: up to {}: white is 100", value.value, kWhitest));
         if (!(value.mu_in > 0.0)) refuse("give mu_in or theta_in of the light; d8 is theta_in = 8");
         return;
     }
@@ -53,23 +58,6 @@ void check_value(const FitData& data, const MeasuredValue& value) {
             "degrees; quantity = \"hemispherical\" for light from all sides");
     if (has_view(value) && !is_cosine(value.mu_out))
         refuse("from where was it seen? Give mu_out or theta_out, and azimuth");
-}
-
-/// A spectrum has one value at each wavelength.
-void check_data(const FitData& data) {
-    if (data.values.empty())
-        throw InputError(fmt::format("{}: no values; a [[measured]] needs some", data.name));
-    std::set<std::tuple<double, double, MeasuredQuantity, MeasuredGeometry>> known;
-    for (const MeasuredValue& value : data.values) {
-        check_value(data, value);
-        if (has_view(value) || is_lab(value)) continue;
-        const double mu_in = is_of_all_sides(value) ? 0.0 : value.mu_in;
-        if (!known.emplace(value.wavelength_nm, mu_in, value.quantity, value.geometry).second)
-            throw InputError(
-                fmt::format("{}: this wavelength is there twice; keep "
-                            "one row, or their mean with its sigma",
-                            describe(data, value)));
-    }
 }
 
 std::vector<std::string> known_names(const FitProblem& problem) {
@@ -143,11 +131,7 @@ void check_problem(const FitProblem& problem) {
             "in 20:1000 log\" and "
             "{radius} in [scene]");
     if (problem.data.empty()) throw UsageError("nothing was measured; add a [[measured]]");
-    if (problem.starts < 1 || problem.starts > 1000)
-        throw UsageError("starts", double(problem.starts), "1 to 1000");
-    if (problem.most_iterations < 1 || problem.most_iterations > 10000)
-        throw UsageError("iterations", double(problem.most_iterations), "1 to 10000");
-    if (!(problem.loss_width > 0.0)) throw UsageError("loss width", problem.loss_width, "> 0");
+    check_search(problem);
     for (const FitData& data : problem.data) check_data(data);
     check_names(problem);
     check_counts(problem);
@@ -167,13 +151,37 @@ void check_problem(const FitProblem& problem) {
     }
     if (with_sigma != 0 && with_sigma != values)
         throw UsageError(
-            fmt::format("{} of {} values have a sigma; give sigma or "
-                        "relative_sigma for each [[measured]], or "
-                        "for none",
+            fmt::format("{} of {} values have a sigma above 0; give sigma or relative_sigma for "
+                        "each [[measured]], or for none",
                         with_sigma, values));
 }
 
 }  // namespace
+
+void check_search(const FitProblem& problem) {
+    if (problem.starts < 1 || problem.starts > 1000)
+        throw UsageError("starts", double(problem.starts), "1 to 1000");
+    if (problem.most_iterations < 1 || problem.most_iterations > 10000)
+        throw UsageError("iterations", double(problem.most_iterations), "1 to 10000");
+    if (!(problem.loss_width > 0.0)) throw UsageError("loss width", problem.loss_width, "> 0");
+}
+
+void check_data(const FitData& data) {
+    if (data.values.empty())
+        throw InputError(fmt::format("{}: no values; a [[measured]] needs some", data.name));
+    // A spectrum has one value at each wavelength.
+    std::set<std::tuple<double, double, MeasuredQuantity, MeasuredGeometry>> known;
+    for (const MeasuredValue& value : data.values) {
+        check_value(data, value);
+        if (has_view(value) || is_lab(value)) continue;
+        const double mu_in = is_of_all_sides(value) ? 0.0 : value.mu_in;
+        if (!known.emplace(value.wavelength_nm, mu_in, value.quantity, value.geometry).second)
+            throw InputError(
+                fmt::format("{}: this wavelength is there twice; keep "
+                            "one row, or their mean with its sigma",
+                            describe(data, value)));
+    }
+}
 
 std::set<std::string> names_in(const std::vector<TemplateWord>& words) {
     std::set<std::string> names;

@@ -36,6 +36,10 @@ bool is_of_all_sides(const MeasuredValue& value);
 /// Whether all values have a standard deviation.
 bool has_sigmas(const FitProblem& problem);
 
+/// What checked() looks at, for whoever knows where it stands. @throws UsageError, InputError
+void check_search(const FitProblem& problem);
+void check_data(const FitData& data);
+
 /// With the unknowns that free scales bring, everything held to what it may be.
 /// @throws UsageError, InputError  as fit()
 FitProblem checked(FitProblem problem);

@@ -203,7 +203,8 @@ void require_amounts(const Medium& medium) {
     if (without == 0 || is_rest) return;
     throw UsageError(fmt::format(
         "medium '{}': {} of {} species without an amount; give each volume=, mass= or number=, "
-        "e.g. volume=15%; where all but one are mass fractions, that one is the rest",
+        "e.g. volume=15% or number=1e9/cm3; where all but one are mass fractions, that one is the "
+        "rest",
         text, without, medium.species.size()));
 }
 

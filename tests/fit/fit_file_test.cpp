@@ -64,6 +64,14 @@ TEST_CASE("a fit file names scene, unknowns and measured values", "[fit]") {
         read_fit_text(replaced(kGood, "mu_in = 0.5", "theta_in = 60\nwavelengths = \"950:1050\""),
                       folder.path().string(), "narrow");
     REQUIRE(narrow.data[0].values.size() == 1);
+    const FitProblem apart =
+        read_fit_text(replaced(kGood, "mu_in = 0.5",
+                               "mu_in = 0.5\nwavelengths = \"850:950, 1150:1250\"\nname = \"A\""
+                               "\ncolumn = \"albedo\""),
+                      folder.path().string(), "apart");
+    REQUIRE(apart.data[0].values.size() == 2);
+    CHECK(apart.data[0].values[1].wavelength_nm == 1200);
+    CHECK(apart.data[0].name == "A");
     CHECK(std::abs(narrow.data[0].values[0].mu_in - 0.5) <= 1e-15);
 }
 
@@ -85,7 +93,13 @@ TEST_CASE("what is wrong with a fit file is said with its place and what would h
         {"100 in 20:1000", "10 in 20:1000", "outside its bounds"},
         {"mu_in = 0.5", "", "where did the light come from"},
         {"mu_in = 0.5", "mu_in = 0.5\ntheta_in = 60", "say the same"},
-        {"mu_in = 0.5", "theta_in = 90", "[0, 90)"},
+        {"mu_in = 0.5", "theta_in = 90", "theta_in 90; allowed"},
+        {"mu_in = 0.5", "mu_in = 1.7", "mu_in 1.7; allowed"},
+        {"sigma = 0.01", "sigma = 0.01\n[fit]\niterations = 2.5", "2.5; allowed: a whole number"},
+        {"sigma = 0.01", "sigma = 0.01\n[fit]\nstarts = 0", "1 to 1000"},
+        {"mu_in = 0.5", "mu_in = 0.5\nwavelengths = \"1000:950\"", "FIRST:LAST"},
+        {"mu_in = 0.5", "mu_in = 0.5\nwavelengths = \"900:1000,950:1100\"", "ascending"},
+        {"sigma = 0.01", "sigma = \"1 %\"", "given: '1 %'"},
         {"snow.csv", "percent.csv", "percent"},
         {"snow.csv", "white.csv", "more light than came in"},
         {"snow.csv", "none.csv", "none.csv"},
@@ -94,7 +108,7 @@ TEST_CASE("what is wrong with a fit file is said with its place and what would h
         {"plane_albedo", "d8-sci", "d8-sci and d8-sce are at 8 degrees"},
         {"plane_albedo", "hemispherical", "hemispherical from all sides"},
         {"plane_albedo", "45-0", "45-0 from 45 degrees"},
-        {"100 in 20:1000 log\"", "100 in 20:1000 log\"\nb = 3", "an unknown is a text"},
+        {"100 in 20:1000 log\"", "100 in 20:1000 log\"\nb = 3", "stands in [scene] itself"},
     };
     for (const Case& c : cases) {
         CAPTURE(c.what, c.with);
@@ -102,6 +116,20 @@ TEST_CASE("what is wrong with a fit file is said with its place and what would h
             read_fit_text(replaced(kGood, c.what, c.with), folder.path().string(), "fit.toml"),
             Contains(c.reason) && Contains("fit.toml"));
     }
+    // The place is that of the data set, or of the unknowns, that is wrong.
+    const auto place_of = [&](const std::string& what, const std::string& with) {
+        try {
+            read_fit_text(replaced(kGood, what, with), folder.path().string(), "fit.toml");
+        } catch (const Error& error) {
+            const std::string text = error.what();
+            return text.substr(0, text.find(", column"));
+        }
+        return std::string("accepted");
+    };
+    CHECK(place_of("snow.csv", "white.csv") == "fit file 'fit.toml', line 6");
+    CHECK(place_of("mu_in = 0.5", "") == "fit file 'fit.toml', line 6");
+    CHECK(place_of("[unknowns]", "[unknowns]\nsoot = \"1 in 0:2\"") ==
+          "fit file 'fit.toml', line 4");
     CHECK_THROWS_WITH(
         read_fit_text(replaced(kGood, "snow.csv", "twice.csv"), folder.path().string(), "fit.toml"),
         Contains("twice"));
