@@ -39,27 +39,25 @@ class Evaluation : public ceres::EvaluationCallback {
     explicit Evaluation(const LeastSquares& problem)
         : x(problem.start),
           residuals(problem.residuals),
-          jacobian(problem.residuals * problem.start.size()),
           loss(make_loss(problem)),
           held(problem.start.size(), false),
+          should_hold(held),
           best{.x = problem.start},
-          problem_(problem) {}
+          problem_(problem),
+          slopes_(problem.residuals * problem.start.size()) {}
 
-    void PrepareForEvaluation(bool with_jacobian, bool is_new_point) override {
-        if (!is_new_point && (!with_jacobian || has_jacobian_)) return;
-        has_jacobian_ = with_jacobian;
-        is_good = problem_.evaluate(
-            x, residuals, with_jacobian ? std::span<double>(jacobian) : std::span<double>());
-        if (!is_good) return;
-        if (with_jacobian) best.jacobian = jacobian;
-        double sum = 0.0;
-        for (const double r : residuals) sum += loss_of(r * r)[0];
-        if (sum < best.sum_of_squares) {
-            best.sum_of_squares = sum;
-            best.x = x;
-            best.residuals = residuals;
+    /// Derivatives come with every point: they share its solution, and few steps are refused.
+    void PrepareForEvaluation(bool, bool) override {
+        if (x != asked_) {
+            asked_ = x;
+            is_good = problem_.evaluate(x, residuals, slopes_);
+            if (is_good) keep_if_best();
         }
-        if (with_jacobian) hold();
+        if (!is_good) return;
+        jacobian = slopes_;
+        for (std::size_t i = 0; i < jacobian.size(); ++i) {
+            if (held[i % x.size()]) jacobian[i] = 0.0;
+        }
     }
 
     /// Of a squared residual: the loss and its derivative.
@@ -71,29 +69,32 @@ class Evaluation : public ceres::EvaluationCallback {
 
     std::vector<double> x, residuals, jacobian;
     std::unique_ptr<ceres::LossFunction> loss;
-    std::vector<bool> held, should_hold;
+    std::vector<bool> held, should_hold;  ///< the latter at the best point
     Minimum best;
     bool is_good = false;
 
   private:
-    void hold() {
+    void keep_if_best() {
+        double sum = 0.0;
+        for (const double r : residuals) sum += loss_of(r * r)[0];
+        if (!(sum < best.sum_of_squares)) return;
+        best.sum_of_squares = sum;
+        best.x = x;
+        best.residuals = residuals;
+        best.jacobian = slopes_;
         const std::size_t n = x.size();
         std::vector<double> gradient(n, 0.0);
         for (std::size_t i = 0; i < residuals.size(); ++i) {
             const double weighted = loss_of(residuals[i] * residuals[i])[1] * residuals[i];
-            for (std::size_t j = 0; j < n; ++j) gradient[j] += weighted * jacobian[i * n + j];
+            for (std::size_t j = 0; j < n; ++j) gradient[j] += weighted * slopes_[i * n + j];
         }
-        should_hold.assign(n, false);
-        for (std::size_t j = 0; j < n; ++j) {
+        for (std::size_t j = 0; j < n; ++j)
             should_hold[j] = (x[j] <= problem_.low[j] && gradient[j] > 0.0) ||
                              (x[j] >= problem_.high[j] && gradient[j] < 0.0);
-            if (!held[j]) continue;
-            for (std::size_t i = 0; i < residuals.size(); ++i) jacobian[i * n + j] = 0.0;
-        }
     }
 
     const LeastSquares& problem_;
-    bool has_jacobian_ = false;
+    std::vector<double> asked_ = {}, slopes_;  ///< of no number held
 };
 
 class OneResidual : public ceres::CostFunction {

@@ -35,13 +35,12 @@ struct Part {
     Model model;
     Target target;
     Search found = {};
-    std::vector<double> values = {}, derivatives = {};  ///< of the model at the best minimum
 
     const std::vector<double>& numbers() const { return found.minima.front().values; }
     double sum_of_squares() const {
         double sum = 0.0;
-        for (std::size_t i = 0; i < values.size(); ++i)
-            sum += std::pow((values[i] - target.values[i]) * target.weights[i], 2);
+        for (std::size_t i = 0; i < found.values.size(); ++i)
+            sum += std::pow((found.values[i] - target.values[i]) * target.weights[i], 2);
         return sum;
     }
 };
@@ -49,20 +48,6 @@ struct Part {
 void run(Part& part, const Control& control) {
     part.found = search(part.problem, part.model, part.target, control);
     part.problem.loss_width = part.found.loss_width;
-    part.values = part.found.values;
-    part.derivatives = part.found.derivatives;
-    if (part.found.interrupted) return;  // whoever waits wants no further solution
-    std::vector<double> values(part.values.size()),
-        derivatives(part.values.size() * part.numbers().size());
-    try {
-        part.model.evaluate(part.numbers(), values, derivatives);
-        part.values = std::move(values);
-        part.derivatives = std::move(derivatives);
-    } catch (const Cancelled&) {
-        part.found.interrupted = true;
-        part.found.converged = false;
-        part.found.reason = "interrupted: standard errors are those of the last step";
-    }
 }
 
 std::vector<std::unique_ptr<Part>> parts_of(const FitProblem& problem, const Control& control) {
@@ -88,13 +73,13 @@ std::vector<std::unique_ptr<Part>> parts_of(const FitProblem& problem, const Con
 Certainty certainty_of(const Part& part, double sigma, double quantile) {
     const std::size_t n = part.numbers().size();
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    if (part.derivatives.empty()) {
+    if (part.found.derivatives.empty()) {
         const std::vector<double> none(n, kNone);
         return {none, none, none, std::vector<bool>(n, false), std::vector<double>(n * n, kNone),
                 {}};
     }
-    return certainty_of(part.problem, part.model, part.target, part.numbers(), part.values,
-                        part.derivatives, sigma, quantile);
+    return certainty_of(part.problem, part.model, part.target, part.numbers(), part.found.values,
+                        part.found.derivatives, sigma, quantile);
 }
 
 /// In standard errors: the normal distribution's, or Student's where sigma
@@ -142,7 +127,7 @@ void add_unreachable(const Part& part, const std::vector<bool>& at_bound, double
     for (const FitData& data : part.problem.data) {
         for (const MeasuredValue& value : data.values) {
             const double z =
-                std::abs(part.values[i] - value.value) * part.target.weights[i] / sigma;
+                std::abs(part.found.values[i] - value.value) * part.target.weights[i] / sigma;
             if (z > worst && std::isfinite(z)) {
                 worst = z;
                 line = fmt::format(
@@ -151,7 +136,7 @@ void add_unreachable(const Part& part, const std::vector<bool>& at_bound, double
                     "sigma away; widen the bounds, or the scene lacks something",
                     describe(data, value), value.value,
                     name_of(part.problem, part.model, std::size_t(bound - at_bound.begin())),
-                    part.values[i], z);
+                    part.found.values[i], z);
             }
             ++i;
         }
@@ -160,7 +145,22 @@ void add_unreachable(const Part& part, const std::vector<bool>& at_bound, double
 }
 
 void add_misfit(FitResult& result, double largest_noise) {
-    if (!result.sigma_known || result.degrees_of_freedom < 1) return;
+    const auto& values = result.values;
+    const bool all_at_bounds =
+        std::all_of(values.begin(), values.end(), [](const FittedValue& v) { return v.at_bound; });
+    if (all_at_bounds && !result.sigma_known)
+        result.notes.push_back(
+            "every number is at a bound: these values are out of reach, or the bounds too narrow");
+    if (!result.sigma_known) return;
+    constexpr double kFar = 5.0;
+    if (result.degrees_of_freedom < 1) {
+        if (largest_noise > kFar)
+            result.notes.push_back(fmt::format(
+                "the scene misses a value by {:.2g} sigma, though there are as many unknowns as "
+                "values: no such scene has them all",
+                largest_noise));
+        return;
+    }
     const double per_degree = result.chi_squared / result.degrees_of_freedom;
     const boost::math::chi_squared law(result.degrees_of_freedom);
     if (!std::isfinite(per_degree) || per_degree < 1.5 ||
@@ -188,7 +188,7 @@ FitResult fit(const FitProblem& given, const Control& control) {
     std::size_t failed = 0;
     for (const auto& part : parts) {
         result.chi_squared += part->sum_of_squares();
-        values += int(part->values.size());
+        values += int(part->found.values.size());
         result.iterations += part->found.iterations;
         result.solved_scenes += part->model.solved_scenes();
         result.interrupted = result.interrupted || part->found.interrupted;
@@ -263,7 +263,7 @@ FitResult fit(const FitProblem& given, const Control& control) {
             for (std::size_t before = 0; before < d; ++before)
                 i += part->problem.data[before].values.size();
             for (const MeasuredValue& value : part->problem.data[d].values) {
-                FitResidual residual{d, value, part->values[i++]};
+                FitResidual residual{d, value, part->found.values[i++]};
                 double& own = residual.measured.sigma;
                 if (!(own > 0.0)) own = spread;
                 if (own > 0.0)

@@ -16,9 +16,8 @@ struct LeastSquares {
     std::vector<double> start, low,
         high;  ///< of each unknown; start within the bounds
     std::size_t residuals = 0;
-    /// Fills in the residuals at x and, unless it is empty, the Jacobian, row =
-    /// residual, column = unknown. False where there are none (no such scene):
-    /// the step is then tried shorter.
+    /// Fills in the residuals at x and the Jacobian, row = residual, column = unknown. False where
+    /// there are none (no such scene): the step is then tried shorter.
     std::function<bool(std::span<const double> x, std::span<double> residuals,
                        std::span<double> jacobian)>
         evaluate;
@@ -31,9 +30,7 @@ struct LeastSquares {
 
 struct Minimum {
     std::vector<double> x = {};  ///< the best so far where it has not converged
-    std::vector<double> residuals = {};
-    /// The last that was asked for: at x, or a step before it. Empty: none was.
-    std::vector<double> jacobian = {};
+    std::vector<double> residuals = {}, jacobian = {};  ///< at x; empty: there were none
     double sum_of_squares = std::numeric_limits<double>::infinity();  ///< of the loss
     int iterations = 0;
     bool converged = false;

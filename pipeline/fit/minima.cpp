@@ -20,7 +20,7 @@ namespace {
 constexpr double kSameMinimum = 0.01;
 
 /// Averages from a lattice that move a number by more of its standard error than this are replaced
-/// by averages of their own, from their minimum on.
+/// by those of a finer one, or by averages of their own, from their minimum on.
 constexpr double kMostShift = 0.1;
 
 double at(const Range& range, double share) { return range.low + share * (range.high - range.low); }
@@ -123,7 +123,6 @@ class Searcher {
         for (std::size_t i = 0; i < residuals.size(); ++i) {
             residuals[i] = (residuals[i] - target_.values[i]) * target_.weights[i];
             if (!std::isfinite(residuals[i])) return false;
-            if (jacobian.empty()) continue;
             for (double& slope : jacobian.subspan(i * columns, columns)) {
                 slope *= target_.weights[i];
                 if (!std::isfinite(slope)) return false;
@@ -168,26 +167,6 @@ bool are_same(const FitProblem& problem, const Model& model, const std::vector<d
     return true;
 }
 
-/// The same of averages in place of those from the lattice of sizes.
-double lattice_shift(const FitProblem& problem, Model& model, const Target& target,
-                     const Minimum& best) {
-    const std::vector<double> numbers = numbers_of(problem, model, best.x);
-    std::vector<double> values(model.values()), exact(values.size());
-    std::vector<double> derivatives(values.size() * numbers.size());
-    model.evaluate(numbers, values, derivatives);
-    model.use_lattice(false);
-    model.evaluate(numbers, exact, {});
-    model.use_lattice(true);
-    double squares = 0.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        squares += std::pow((values[i] - target.values[i]) * target.weights[i], 2);
-        exact[i] -= values[i];
-    }
-    const double freedom = double(values.size()) - double(numbers.size());
-    const double sigma = has_sigmas(problem) ? 1.0 : std::sqrt(squares / std::max(freedom, 1.0));
-    return shift_of(exact, derivatives, target, sigma);
-}
-
 /// The values and derivatives that residuals and Jacobian were made of.
 void keep_known(const Minimum& best, const Target& target, Search& found) {
     const std::size_t count = target.values.size();
@@ -198,6 +177,23 @@ void keep_known(const Minimum& best, const Target& target, Search& found) {
     const std::size_t columns = best.jacobian.size() / count;
     for (std::size_t i = 0; i < best.jacobian.size(); ++i)
         found.derivatives[i] /= target.weights[i / columns];
+}
+
+/// The same of averages in place of those from the lattice of sizes.
+double lattice_shift(const FitProblem& problem, Model& model, const Target& target,
+                     const Minimum& best) {
+    Search known;
+    keep_known(best, target, known);
+    std::vector<double> difference(known.values.size());
+    model.evaluate_exactly(numbers_of(problem, model, best.x), difference);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+        squares += std::pow(best.residuals[i], 2);
+        difference[i] -= known.values[i];
+    }
+    const double freedom = double(difference.size()) - double(best.x.size());
+    const double sigma = has_sigmas(problem) ? 1.0 : std::sqrt(squares / std::max(freedom, 1.0));
+    return shift_of(difference, known.derivatives, target, sigma);
 }
 
 }  // namespace
@@ -244,6 +240,11 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
         if (std::isfinite(minimum.sum_of_squares)) keep(minimum);
         found.interrupted = searcher.cancelled();
     }
+    const auto sort_minima = [&] {
+        std::sort(found.minima.begin(), found.minima.end(),
+                  [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
+    };
+    sort_minima();
     const auto go_on = [&] {
         const Minimum again = searcher.from(best.x);
         found.iterations += again.iterations;
@@ -254,28 +255,38 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
                                 numbers_of(problem, model, best.x)};
         return true;
     };
+    bool is_current = true;  // what is known at the best point is of the model as it is now
     try {
         // Nodes that were enough at the start may be too few here.
         for (int round = 0; round < 2 && !found.interrupted && best.converged; ++round) {
-            if (!model.choose_streams(numbers_of(problem, model, best.x)) || !go_on()) break;
+            if (!model.choose_streams(numbers_of(problem, model, best.x))) break;
+            is_current = go_on();
+            if (!is_current) break;
         }
-        if (model.uses_lattice() && !found.interrupted && best.converged) {
+        while (model.uses_lattice() && !found.interrupted && best.converged) {
             found.lattice_shift = lattice_shift(problem, model, target, best);
-            if (!(*found.lattice_shift <= kMostShift)) {
-                model.use_lattice(false);
-                found.lattice_shift.reset();
-                go_on();
-            }
+            if (*found.lattice_shift <= kMostShift) break;
+            found.lattice_shift.reset();
+            model.refine_lattice();
+            is_current = go_on();
+            if (!is_current) break;
         }
     } catch (const Cancelled&) {
         found.interrupted = true;
     }
     if (found.minima.empty())
         found.minima.push_back({best.sum_of_squares, 0, numbers_of(problem, model, best.x)});
-    std::sort(found.minima.begin(), found.minima.end(),
-              [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
+    sort_minima();
     found.converged = best.converged && !found.interrupted;
     keep_known(best, target, found);
+    if (!is_current && !found.interrupted) {
+        try {
+            model.evaluate(found.minima.front().values, found.values, found.derivatives);
+        } catch (const Cancelled&) {
+            found.interrupted = true;
+            found.converged = false;
+        }
+    }
     found.loss_width = searcher.loss_width();
     if (found.interrupted) {
         found.reason = best.residuals.empty() ? "interrupted before the first solution"

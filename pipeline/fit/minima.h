@@ -25,8 +25,8 @@ struct Search {
     bool interrupted = false;
     std::string reason = {};
     int iterations = 0;
-    /// Of the model at the best minimum, as far as they are known without another solution: values
-    /// that are not are NaN, derivatives are those of the last step; empty: there were none.
+    /// Of the model at the best minimum; where nothing was solved, values are NaN and derivatives
+    /// empty.
     std::vector<double> values = {}, derivatives = {};
     double loss_width = 0.0;                   ///< in units of the weighted residuals
     std::optional<double> lattice_shift = {};  ///< FitResult::interpolation_shift

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
-#include "pipeline/fit/sphere_changes.h"
+#include "pipeline/fit/varied_spheres.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/size_lattice.h"
@@ -61,9 +61,19 @@ Request Model::request(const Job& job, std::span<const double> numbers,
     return request_of(problem_, slots_, job, numbers, names);
 }
 
-/// By differences: what has no closed forms, which are asked for once, and what changes spheres.
-/// Averages of Mie theory with the sizes of another one take ten times as long as two averages with
-/// sizes of their own.
+bool Model::has_closed_forms(const Job& job, std::span<const double> numbers,
+                             const std::vector<std::string>& names) {
+    try {
+        solve_job(job, request(job, numbers, names), remembering(), names);
+        return true;
+    } catch (const UsageError&) {
+        return false;
+    }
+}
+
+/// By differences: what has no closed forms, which are asked for once, and what changes spheres
+/// other than by a lattice of their sizes. Averages of Mie theory with the sizes of another one
+/// take ten times as long as two averages with sizes of their own.
 void Model::prepare(std::span<const double> numbers) {
     std::set<std::string> known;
     std::vector<const Job*> different;
@@ -76,25 +86,34 @@ void Model::prepare(std::span<const double> numbers) {
         if (is_known) continue;
         different.push_back(&job);
         const Scene scene = request(job, numbers).scene;
-        SizesInScenes sizes;
+        VariedSizes sizes;
         sizes.add(scene);
+        std::vector<std::string> closed;
         for (const std::string& name : job.names) {
             std::vector<double> moved(numbers.begin(), numbers.end());
             double& number = moved[slot(job, name)];
             const Unknown& unknown = problem_.unknowns[slots_[slot(job, name)].unknown];
             const double middle = 0.5 * (unknown.low + unknown.high);
             number = 0.5 * (number + (number < middle ? unknown.high : unknown.low));
-            const bool is_new = known.insert(name).second;
             try {
                 const Scene other = request(job, moved).scene;
                 sizes.add(other);
-                if (job.is_scattered() || have_other_spheres(scene, other)) {
+                const SphereChange spheres = sphere_change(scene, other);
+                if (job.is_scattered() || spheres == SphereChange::other) {
                     by_differences_.insert(name);
-                } else if (is_new) {
-                    solve_job(job, request(job, numbers, {name}), remembering(), {name});
+                } else if (spheres == SphereChange::sizes) {
+                    sizes_.insert(name);
+                } else if (known.insert(name).second) {
+                    closed.push_back(name);
                 }
             } catch (const UsageError&) {
                 by_differences_.insert(name);
+            }
+        }
+        if (!closed.empty() && !has_closed_forms(job, numbers, closed)) {
+            for (const std::string& name : closed) {
+                if (closed.size() == 1 || !has_closed_forms(job, numbers, {name}))
+                    by_differences_.insert(name);
             }
         }
         for (const mie::SizeDistribution& one : sizes.fixed()) fixed.push_back(one);
@@ -102,14 +121,34 @@ void Model::prepare(std::span<const double> numbers) {
         variances_vary = variances_vary || sizes.variances_vary();
     }
     if (!sizes_vary) return;
-    lattice_ = std::make_shared<const SizeLattice>(std::move(fixed), variances_vary, cache_);
+    lattice_ = std::make_shared<const SizeLattice>(SizeLattice::kCoarseStep, fixed, variances_vary,
+                                                   cache_);
+    finer_lattice_ =
+        std::make_shared<const SizeLattice>(SizeLattice::kFineStep, fixed, variances_vary, cache_);
     lattice_is_used_ = true;
 }
 
+/// The same fit meets these averages again.
+void Model::evaluate_exactly(std::span<const double> numbers, std::span<double> values) {
+    lattice_is_used_ = false;
+    control_.cache = cache_;
+    evaluate(numbers, values, {});
+    control_.cache = {};
+    lattice_is_used_ = true;
+}
+
+void Model::refine_lattice() {
+    lattice_is_used_ = finer_lattice_ != nullptr;
+    if (lattice_is_used_) lattice_ = std::exchange(finer_lattice_, nullptr);
+}
+
+/// Light with polarisation has no lattice.
 std::vector<std::string> Model::closed_forms(const Job& job) const {
+    const bool has_lattice = lattice_is_used_ && job.takes_intensity_alone;
     std::vector<std::string> names;
     for (const std::string& name : job.names) {
-        if (!by_differences_.contains(name)) names.push_back(name);
+        if (!by_differences_.contains(name) && (has_lattice || !sizes_.contains(name)))
+            names.push_back(name);
     }
     return names;
 }

@@ -37,8 +37,10 @@ class Model {
     /// sizes.
     void prepare(std::span<const double> numbers);
     bool uses_lattice() const { return lattice_is_used_; }
-    /// @pre prepare has found a lattice
-    void use_lattice(bool use) { lattice_is_used_ = use; }
+    /// Values with averages of their own in place of the lattice's. @pre uses_lattice
+    void evaluate_exactly(std::span<const double> numbers, std::span<double> values);
+    /// Uses a finer lattice from now on; where this one is the finest, none.
+    void refine_lattice();
 
     /// Solves all scenes with nodes chosen for their tolerance, and keeps to these nodes from now
     /// on: then values are smooth in the numbers. @return whether more are needed than before
@@ -57,6 +59,8 @@ class Model {
                     const std::vector<std::string>& names = {}) const;
     std::size_t slot(const Job& job, const std::string& name) const;
     std::vector<std::string> closed_forms(const Job& job) const;
+    bool has_closed_forms(const Job& job, std::span<const double> numbers,
+                          const std::vector<std::string>& names);
     void add_moved(const Job& job, const std::string& name, std::span<const double> numbers,
                    std::vector<Task>& tasks) const;
 
@@ -68,7 +72,8 @@ class Model {
     std::vector<Job> jobs_;
     std::size_t values_ = 0;
     std::set<std::string> by_differences_;  ///< unknowns without closed forms
-    std::shared_ptr<const SizeLattice> lattice_;
+    std::set<std::string> sizes_;           ///< unknowns that have them in a lattice alone
+    std::shared_ptr<const SizeLattice> lattice_, finer_lattice_;
     bool lattice_is_used_ = false;
     int solved_scenes_ = 0;
 };

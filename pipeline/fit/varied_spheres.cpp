@@ -1,9 +1,11 @@
-#include "pipeline/fit/sphere_changes.h"
+#include "pipeline/fit/varied_spheres.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "pipeline/scene/species_keys.h"
+#include "pipeline/solve/grain_shape.h"
 
 namespace miebrdf::fitting {
 namespace {
@@ -25,24 +27,36 @@ std::vector<const Medium*> media_of(const Scene& scene) {
     return media;
 }
 
-}  // namespace
-
-bool have_other_spheres(const Scene& a, const Scene& b) {
-    const auto& sizes = a.particles.sizes;
-    const auto& others = b.particles.sizes;
-    if (sizes.effective_radius_um != others.effective_radius_um ||
-        sizes.effective_variance != others.effective_variance)
-        return true;
-    const auto one = media_of(a), other = media_of(b);
-    for (std::size_t m = 0; m < one.size(); ++m) {
-        const auto spheres = spheres_of(*one[m]);
-        if (spheres != spheres_of(*other[m])) return true;
-        if (!spheres.empty() && host_of(a, *one[m]) != host_of(b, *other[m])) return true;
-    }
-    return false;
+SphereChange change_of(Species a, Species b, const Scene& scene, const Scene& other) {
+    const mie::SizeDistribution sizes = sizes_of(a, scene.particles),
+                                others = sizes_of(b, other.particles);
+    const bool is_alike = a.sizes == b.sizes &&
+                          sizes.effective_radius_um == others.effective_radius_um &&
+                          sizes.effective_variance == others.effective_variance;
+    const bool has_width = mie::has_variance(sizes.kind) && !has_smooth_phase(a);
+    a.sizes = b.sizes = {};
+    if (a != b) return SphereChange::other;
+    if (is_alike) return SphereChange::none;
+    return has_width ? SphereChange::sizes : SphereChange::other;
 }
 
-void SizesInScenes::add(const Scene& scene) {
+}  // namespace
+
+SphereChange sphere_change(const Scene& a, const Scene& b) {
+    SphereChange largest = SphereChange::none;
+    const auto one = media_of(a), other = media_of(b);
+    for (std::size_t m = 0; m < one.size(); ++m) {
+        const auto spheres = spheres_of(*one[m]), others = spheres_of(*other[m]);
+        if (spheres.size() != others.size()) return SphereChange::other;
+        if (!spheres.empty() && host_of(a, *one[m]) != host_of(b, *other[m]))
+            return SphereChange::other;
+        for (std::size_t s = 0; s < spheres.size(); ++s)
+            largest = std::max(largest, change_of(spheres[s], others[s], a, b));
+    }
+    return largest;
+}
+
+void VariedSizes::add(const Scene& scene) {
     const bool is_first = sizes_.empty();
     std::size_t next = 0;
     for (const Medium* const medium : media_of(scene)) {
@@ -66,7 +80,7 @@ void SizesInScenes::add(const Scene& scene) {
     }
 }
 
-std::vector<mie::SizeDistribution> SizesInScenes::fixed() const {
+std::vector<mie::SizeDistribution> VariedSizes::fixed() const {
     std::vector<mie::SizeDistribution> fixed;
     for (const Sizes& known : sizes_) {
         if (known.is_fixed) fixed.push_back(known.sizes);

@@ -1,4 +1,4 @@
-// Which numbers of a scene change its spheres, and how.
+// Which spheres, and which of their sizes, change with the numbers of a scene.
 #pragma once
 
 #include <miebrdf/ensemble.h>
@@ -9,12 +9,17 @@
 
 namespace miebrdf::fitting {
 
-/// Whether other spheres, or spheres in another host, are in two scenes of the same words.
-bool have_other_spheres(const Scene& a, const Scene& b);
+/// What differs between the spheres of two scenes of the same words, and the hosts of these.
+enum class SphereChange {
+    none,
+    sizes,  ///< alone, of spheres whose law has a width
+    other
+};
+SphereChange sphere_change(const Scene& a, const Scene& b);
 
 /// The sizes of spheres whose law has a width, as far as they are the same in scenes of the same
 /// words.
-class SizesInScenes {
+class VariedSizes {
   public:
     void add(const Scene& scene);
 

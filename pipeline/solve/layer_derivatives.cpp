@@ -127,12 +127,37 @@ class ChangedSpheres {
                 minus_[c].memo->keep(hash(species), known);
             }
             if (different.empty()) continue;
+            const bool has_lattice =
+                lattice_of(control_, species, demand) != nullptr &&
+                std::all_of(different.begin(), different.end(), [&](const SpeciesChange& change) {
+                    return is_resized(species, change, w);
+                });
+            if (has_lattice) {
+                for (std::size_t i = 0; i < places.size(); ++i) {
+                    const auto& [plus, minus] = different[i];
+                    plus_[places[i]].memo->keep(hash(*plus),
+                                                species_optics(control_, *plus, w, demand, pieces));
+                    minus_[places[i]].memo->keep(
+                        hash(*minus), species_optics(control_, *minus, w, demand, pieces));
+                }
+                continue;
+            }
             const auto changed = changed_optics(known, species, different, w, demand, pieces);
             for (std::size_t i = 0; i < places.size(); ++i) {
                 plus_[places[i]].memo->keep(hash(*different[i].plus), changed[i].first);
                 minus_[places[i]].memo->keep(hash(*different[i].minus), changed[i].second);
             }
         }
+    }
+
+    /// The same spheres of other sizes: polynomials of a lattice are smooth in these.
+    static bool is_resized(const ResolvedSpecies& middle, const SpeciesChange& change,
+                           std::size_t w) {
+        const auto material = [&](const ResolvedSpecies& one) {
+            return JobKey("material").add(one.particles[w]).hash();
+        };
+        return material(*change.plus) == material(middle) &&
+               material(*change.minus) == material(middle);
     }
 
     std::vector<const SceneChange*> changes_;

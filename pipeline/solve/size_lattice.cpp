@@ -43,7 +43,7 @@ Stencil stencil_at(double x, double step) {
 /// What averages at the lattice have at least, so that depths, albedos and every number of streams
 /// share them.
 OpticsDemand demand_of_nodes(OpticsDemand demand) {
-    constexpr int kMoments = 128;
+    constexpr int kMoments = 64;  // of 16 streams
     if (!demand.whole_phase_function)
         demand.highest_moment = std::max(demand.highest_moment, kMoments);
     return demand;
@@ -139,19 +139,29 @@ ResolvedSpecies resized(const ResolvedSpecies& species, std::size_t w, double ra
 
 }  // namespace
 
-SizeLattice::SizeLattice(std::vector<mie::SizeDistribution> fixed, bool with_variance,
-                         std::shared_ptr<ResultCache> cache)
-    : fixed_(std::move(fixed)), with_variance_(with_variance), cache_(std::move(cache)) {}
+SizeLattice::SizeLattice(double radius_step, std::vector<mie::SizeDistribution> fixed,
+                         bool with_variance, std::shared_ptr<ResultCache> cache)
+    : radius_step_(radius_step),
+      fixed_(std::move(fixed)),
+      with_variance_(with_variance),
+      cache_(std::move(cache)) {}
+
+bool SizeLattice::is_fixed(const mie::SizeDistribution& sizes) const {
+    return std::any_of(fixed_.begin(), fixed_.end(), [&](const mie::SizeDistribution& fixed) {
+        return have_same_sizes(fixed, sizes);
+    });
+}
+
+std::shared_ptr<ResultCache> SizeLattice::cache_of(const ResolvedSpecies& species) const {
+    return species.needs_mie() && is_fixed(species.sizes) ? cache_ : nullptr;
+}
 
 bool SizeLattice::covers(const ResolvedSpecies& species, const OpticsDemand& demand) const {
     if (!species.needs_mie() || has_smooth_phase(species.species) || demand.polarisation)
         return false;
     const mie::SizeDistribution& sizes = species.sizes;
     return mie::has_variance(sizes.kind) && sizes.effective_variance >= kLeastVariance &&
-           sizes.effective_variance <= kMostVariance &&
-           std::none_of(fixed_.begin(), fixed_.end(), [&](const mie::SizeDistribution& fixed) {
-               return have_same_sizes(fixed, sizes);
-           });
+           sizes.effective_variance <= kMostVariance && !is_fixed(sizes);
 }
 
 MediumOptics SizeLattice::optics(const ResolvedSpecies& species, std::size_t w,
@@ -169,7 +179,7 @@ MediumOptics SizeLattice::optics(const ResolvedSpecies& species, std::size_t w,
             with_variance_ ? std::exp(variances.at[v]) : sizes.effective_variance;
         const double weight = with_variance_ ? variances.weight[v] : 1.0;
         const Stencil radii = stencil_at(std::log(sizes.effective_radius_um),
-                                         kRadiusStep * std::sqrt(std::log1p(variance)));
+                                         radius_step_ * std::sqrt(std::log1p(variance)));
         for (std::size_t r = 0; r < radii.at.size(); ++r) {
             const ResolvedSpecies node = resized(species, w, std::exp(radii.at[r]), variance);
             nodes.push_back(
@@ -183,13 +193,21 @@ MediumOptics SizeLattice::optics(const ResolvedSpecies& species, std::size_t w,
     return result;
 }
 
-MediumOptics species_optics(const Control& control, const ResolvedSpecies& species, std::size_t w,
-                            const OpticsDemand& demand, const mie::Executor& run) {
+const SizeLattice* lattice_of(const Control& control, const ResolvedSpecies& species,
+                              const OpticsDemand& demand) {
     const SizeLattice* const lattice =
         control.memo != nullptr ? control.memo->lattice.get() : nullptr;
-    if (lattice != nullptr && lattice->covers(species, demand))
+    return lattice != nullptr && lattice->covers(species, demand) ? lattice : nullptr;
+}
+
+MediumOptics species_optics(const Control& control, const ResolvedSpecies& species, std::size_t w,
+                            const OpticsDemand& demand, const mie::Executor& run) {
+    if (const SizeLattice* const lattice = lattice_of(control, species, demand))
         return lattice->optics(species, w, demand, control, run);
-    return remembered_optics(control, optics_hash(species, w, demand),
+    Control remembering = control;
+    if (control.memo != nullptr && control.memo->lattice != nullptr && control.cache == nullptr)
+        remembering.cache = control.memo->lattice->cache_of(species);
+    return remembered_optics(remembering, optics_hash(species, w, demand),
                              [&] { return compute_optics(species, w, demand, run); });
 }
 
