@@ -146,7 +146,7 @@ class Fit:
             rows.append((
                 name if math.isnan(nm) else f"{name}, {nm:g} nm",
                 _rounded(self.values["value"][i], error),
-                "" if math.isnan(error) else f"{error:.2g}",
+                "" if math.isnan(error) else _rounded(error, error),
                 self.values["note"][i],
             ))  # fmt: skip
         return rows
@@ -156,7 +156,18 @@ class Fit:
         lines = [f"{what} {self.chi_squared:.5g}, {self.degrees_of_freedom} degrees of freedom"]
         if not self.converged:
             lines.append(f"not converged: {self.reason}")
-        return lines + self.undetermined + self.notes
+        return lines + self._tied() + self.undetermined + self.notes
+
+    def _tied(self) -> list[str]:
+        """Pairs of numbers shared by all wavelengths that hardly tell themselves apart."""
+        names = self.values["unknown"]
+        shared = [i for i, nm in enumerate(self.values["wavelength_nm"]) if math.isnan(nm)]
+        return [
+            f"{names[i]} and {names[j]} move together: correlation {self.correlation[i][j]:.3f}"
+            for i in shared
+            for j in shared
+            if i < j and abs(self.correlation[i][j]) > 0.9
+        ][:6]
 
     def __repr__(self) -> str:
         rows = [f"  {name} = {value} +- {error or '?'}  {note}"
@@ -174,11 +185,14 @@ class Fit:
 
 
 def _rounded(value: float, error: float) -> str:
-    """Six digits, or as many as show two of the error."""
-    digits = 6
-    if error > 0.0 and value != 0.0:
-        digits = max(digits, math.ceil(math.log10(abs(value) / error)) + 2)
-    return f"{value:.{digits}g}"
+    """To the second digit of the error; six digits where there is none."""
+    if not (error > 0.0 and value != 0.0):
+        return f"{value:.6g}"
+    decimals = max(1 - math.floor(math.log10(error)), -math.floor(math.log10(abs(value))))
+    if abs(value) >= 1e-3:
+        return f"{round(value, decimals):.{max(decimals, 0)}f}"
+    digits = math.floor(math.log10(abs(value))) + decimals + 1
+    return f"{value:#.{max(digits, 2)}g}"
 
 
 def fit(
