@@ -47,6 +47,10 @@ class FitFile : TomlFile {
                             kKind, path()));
         for (const toml::node& set : *sets->as_array()) read_measured(*set.as_table());
         at(*root().get("unknowns"), [&] { fitting::checked(problem_); });
+        for (std::size_t i = 0; i < problem_.data.size(); ++i) {
+            at(*sets->as_array()->get(i),
+               [&] { fitting::check_scene(problem_, problem_.data[i]); });
+        }
         return std::move(problem_);
     }
 
@@ -191,10 +195,14 @@ class FitFile : TomlFile {
             data.diffuse_fraction = *share;
         if (const std::string light = text_of(set, "light"); !light.empty())
             at(*set.get("light"), [&] { data.viewing = viewing(light); });
-        const std::string scale = text_of(set, "scale");
-        if (!scale.empty() && scale != "free")
-            refuse(*set.get("scale"), "'scale' is \"free\" where values are known up to a factor");
-        data.free_scale = scale == "free";
+        if (const toml::node* scale = set.get("scale")) {
+            data.free_scale = scale->value_or(std::string()) == "free";
+            if (!data.free_scale)
+                refuse(
+                    *scale,
+                    "'scale' is \"free\" where values are known up to a factor; a factor that is "
+                    "known goes into the values");
+        }
         if (const toml::node* own = set.get("scene")) {
             if (!own->is_table()) refuse(*own, "'scene' is { word = \"value\" }");
             data.scene = scene_of(*own->as_table());

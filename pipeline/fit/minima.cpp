@@ -215,6 +215,7 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
     Searcher searcher(problem, model, target, control);
     Minimum best;
     best.x = start_of(problem, model, 0);
+    if (control.progress) control.progress("fit", 0, std::size_t(problem.most_iterations));
     try {
         model.prepare(numbers_of(problem, model, best.x));
         model.choose_streams(numbers_of(problem, model, best.x));

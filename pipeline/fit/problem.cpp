@@ -183,6 +183,18 @@ void check_data(const FitData& data) {
     }
 }
 
+void check_scene(const FitProblem& problem, const FitData& data) {
+    const auto start_of = [&](const std::string& name) {
+        for (const Unknown& unknown : problem.unknowns) {
+            if (unknown.name == name) return fmt::format("{}", unknown.start);
+        }
+        throw UsageError(fmt::format("there is no unknown '{}'", name));
+    };
+    Request request;
+    for (const TemplateWord& word : words_of(problem, data)) apply(word, start_of, request);
+    validate(request.scene);
+}
+
 std::set<std::string> names_in(const std::vector<TemplateWord>& words) {
     std::set<std::string> names;
     for (const TemplateWord& word : words) {

@@ -39,6 +39,8 @@ bool has_sigmas(const FitProblem& problem);
 /// What checked() looks at, for whoever knows where it stands. @throws UsageError, InputError
 void check_search(const FitProblem& problem);
 void check_data(const FitData& data);
+/// Whether the scene of a data set can be at the start, as far as words tell.
+void check_scene(const FitProblem& problem, const FitData& data);
 
 /// With the unknowns that free scales bring, everything held to what it may be.
 /// @throws UsageError, InputError  as fit()

@@ -100,6 +100,7 @@ TEST_CASE("what is wrong with a fit file is said with its place and what would h
         {"mu_in = 0.5", "mu_in = 0.5\nwavelengths = \"1000:950\"", "FIRST:LAST"},
         {"mu_in = 0.5", "mu_in = 0.5\nwavelengths = \"900:1000,950:1100\"", "ascending"},
         {"sigma = 0.01", "sigma = \"1 %\"", "given: '1 %'"},
+        {"sigma = 0.01", "scale = 2", "'scale' is \"free\""},
         {"snow.csv", "percent.csv", "percent"},
         {"snow.csv", "white.csv", "more light than came in"},
         {"snow.csv", "none.csv", "none.csv"},
@@ -128,6 +129,8 @@ TEST_CASE("what is wrong with a fit file is said with its place and what would h
     };
     CHECK(place_of("snow.csv", "white.csv") == "fit file 'fit.toml', line 6");
     CHECK(place_of("mu_in = 0.5", "") == "fit file 'fit.toml', line 6");
+    CHECK(place_of("mu_in = 0.5", "mu_in = 0.5\nscene = { substrate = \"lambert:1.4\" }") ==
+          "fit file 'fit.toml', line 6");
     CHECK(place_of("[unknowns]", "[unknowns]\nsoot = \"1 in 0:2\"") ==
           "fit file 'fit.toml', line 4");
     CHECK_THROWS_WITH(
