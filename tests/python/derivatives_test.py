@@ -64,6 +64,59 @@ def test_what_passes_has_them_too():
         Scene(BASE).derivatives(550, ["w"]).albedo(0.5, transmitted=True)
 
 
+NM = list(range(400, 701, 20))
+COLOURED = {"tolerance": 1e-6, "streams": 16}
+
+
+def test_reflectance_under_a_sky_has_them():
+    by = Scene(BASE, coats=COATS).derivatives(550, ["w", "tau"], **FIXED)
+    of_sun = by.hdrf(0.5, [0.3, 0.9], 40.0)
+    mixed = by.hdrf(0.5, [0.3, 0.9], 40.0, diffuse_fraction=0.3)
+    for name in by.names:
+        brdf = np.asarray(by.brdf(0.5, [0.3, 0.9], 40.0)[name])
+        sky = np.asarray(by.albedo([0.3, 0.9])[name])
+        np.testing.assert_allclose(of_sun[name], np.pi * brdf, rtol=1e-12)
+        np.testing.assert_allclose(mixed[name], 0.7 * np.pi * brdf + 0.3 * sky, rtol=1e-12)
+    with pytest.raises(miebrdf.UsageError, match="diffuse_fraction"):
+        by.hdrf(0.5, 0.5, diffuse_fraction=1.5)
+
+
+def test_colours_have_them():
+    words = "index:1.6,{k=0.01},radius={r=0.08},variance=0.1"
+
+    def colours(k, r):
+        scene = Scene(words.replace("{k=0.01}", repr(k)).replace("{r=0.08}", repr(r)))
+        albedo = scene.albedo(NM, 0.5, **COLOURED)
+        brdf = np.pi * np.asarray(scene.brdf(NM, 0.5, [0.3, 0.9], 30.0, **COLOURED))
+        return [
+            {"lab_l": lab[..., 0], "lab_b": lab[..., 2], "srgb_red": srgb[..., 0], "x": xyz[..., 0]}
+            for lab, srgb, xyz in (
+                (
+                    miebrdf.colour.lab(values, NM),
+                    miebrdf.colour.encode_srgb(miebrdf.colour.linear_srgb(values, NM)),
+                    miebrdf.colour.xyz(values, NM),
+                )
+                for values in (np.asarray(albedo), brdf)
+            )
+        ]
+
+    by = Scene(words).derivatives(NM, ["k", "r"], **COLOURED)
+    found = [by.colour(0.5), by.colour(0.5, [0.3, 0.9], 30.0)]
+    for name, value, sides in (
+        ("k", 0.01, [colours(0.01 * (1 + s * 2e-3), 0.08) for s in (1, -1)]),
+        ("r", 0.08, [colours(0.01, 0.08 * (1 + s * 2e-3)) for s in (1, -1)]),
+    ):
+        for kind in (0, 1):
+            for column, plus in sides[0][kind].items():
+                truth = (plus - sides[1][kind][column]) / (4e-3 * value)
+                got = found[kind][name][column]
+                assert got.shape == truth.shape == ((), (2,))[kind]
+                # Averages choose their sizes within 1e-6, over steps of .4 %.
+                np.testing.assert_allclose(got, truth, rtol=5e-3, err_msg=f"{name} {column}")
+    with pytest.raises(miebrdf.UsageError, match="430"):
+        Scene(BASE).derivatives([500, 600], ["w"]).colour(0.5)
+
+
 def test_named_scenes_are_scenes():
     scene = Scene(BASE, coats=COATS)
     assert scene.numbers == {"w": 0.9, "g": 0.6, "tau": 0.5}

@@ -2,6 +2,7 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/plan.h>
 #include <miebrdf/sampling.h>
+#include <miebrdf/value_derivatives.h>
 
 #include <string>
 #include <utility>
@@ -138,8 +139,7 @@ class SolvedScene {
     }
 
     /// @returns  (array, report) as evaluate, of the derivatives by the first parameter, the
-    /// second,
-    ///           ...: the first axis is (parameters x wavelengths)
+    ///           second, ...: the first axis is (parameters x wavelengths)
     py::tuple evaluate_derivatives(const std::vector<std::string>& parameters, const Numbers& mu_in,
                                    const Numbers& mu_out, const Numbers& azimuth_deg,
                                    const std::string& part_name, const CallOptions& options) const {
@@ -157,11 +157,24 @@ class SolvedScene {
             for (const BrdfValues::Slice& slice : derivative.slices)
                 values.insert(values.end(), slice.of(part).begin(), slice.of(part).end());
         }
-        const auto length = [](const auto& list) { return static_cast<py::ssize_t>(list.size()); };
-        return py::make_tuple(
-            array_of(std::move(values), {length(parameters) * length(wavelength_nm_), length(mu_in),
-                                         length(mu_out), length(azimuth_deg)}),
-            facts_of(all.values));
+        return derivatives_of(std::move(values), all);
+    }
+
+    /// @returns  the same of the reflectance factor under a sky
+    py::tuple hdrf_derivatives(const std::vector<std::string>& parameters, const Numbers& mu_in,
+                               const Numbers& mu_out, const Numbers& azimuth_deg,
+                               double diffuse_fraction, const CallOptions& options) const {
+        LongCall call(options);
+        const auto all = call.run([&] {
+            return miebrdf::hdrf_derivatives(brdf(call.control()), parameters,
+                                             {mu_in, mu_out, azimuth_deg}, diffuse_fraction);
+        });
+        Numbers values;
+        for (const HdrfValues& derivative : all.derivatives) {
+            for (const Numbers& at : derivative.hdrf)
+                values.insert(values.end(), at.begin(), at.end());
+        }
+        return derivatives_of(std::move(values), all);
     }
 
     /// @returns  (columns of albedo for each parameter, report of the values)
@@ -229,6 +242,16 @@ class SolvedScene {
     const Numbers& wavelength_nm() const { return wavelength_nm_; }
 
   private:
+    template <typename Values>
+    py::tuple derivatives_of(Numbers numbers, const WithDerivatives<Values>& all) const {
+        const auto length = [](const auto& list) { return static_cast<py::ssize_t>(list.size()); };
+        const auto& [mu_in, mu_out, azimuth_deg] = all.values.directions;
+        return py::make_tuple(
+            array_of(std::move(numbers), {length(all.parameters) * length(wavelength_nm_),
+                                          length(mu_in), length(mu_out), length(azimuth_deg)}),
+            facts_of(all.values));
+    }
+
     Brdf brdf(Control control) const {
         control.memo = memo_;
         return solve(scene_, wavelength_nm_, solver_, control);
@@ -284,6 +307,9 @@ void bind_brdf(py::module_& module) {
         .def("evaluate_derivatives", &SolvedScene::evaluate_derivatives, py::arg("parameters"),
              py::arg("mu_in"), py::arg("mu_out"), py::arg("azimuth_deg"), py::arg("part"),
              py::arg("options"))
+        .def("hdrf_derivatives", &SolvedScene::hdrf_derivatives, py::arg("parameters"),
+             py::arg("mu_in"), py::arg("mu_out"), py::arg("azimuth_deg"),
+             py::arg("diffuse_fraction"), py::arg("options"))
         .def("albedo_derivatives", &SolvedScene::albedo_derivatives, py::arg("parameters"),
              py::arg("mu_in"), py::arg("options"))
         .def("layers", &SolvedScene::layers, py::arg("options"))

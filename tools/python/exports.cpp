@@ -2,6 +2,7 @@
 #include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
+#include <miebrdf/value_derivatives.h>
 #include <miebrdf/version.h>
 
 #include <algorithm>
@@ -155,6 +156,29 @@ py::array_t<double> colours(const Numbers& wavelength_nm, const NumberArray& ref
     return result;
 }
 
+/// For each row of reflectances and their slopes the derivatives that the program's --colour gives:
+/// XYZ, Lab, encoded sRGB, C and h.
+py::array_t<double> colour_derivatives(const Numbers& wavelength_nm, const NumberArray& reflectance,
+                                       const NumberArray& slope, const std::string& viewed) {
+    const Colorimeter colorimeter(wavelength_nm, viewing(viewed));
+    const auto rows = reflectance.unchecked<2>(), slopes = slope.unchecked<2>();
+    NumberArray result({rows.shape(0), py::ssize_t{11}});
+    auto target = result.mutable_unchecked<2>();
+    Numbers row(static_cast<std::size_t>(rows.shape(1))), change(row);
+    for (py::ssize_t r = 0; r < rows.shape(0); ++r) {
+        for (std::size_t w = 0; w < row.size(); ++w) {
+            row[w] = rows(r, static_cast<py::ssize_t>(w));
+            change[w] = slopes(r, static_cast<py::ssize_t>(w));
+        }
+        const auto [xyz, lab, lch, linear, rgb] = derivative_of_colour(colorimeter, row, change);
+        py::ssize_t column = 0;
+        for (const double value : {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, rgb.red, rgb.green,
+                                   rgb.blue, lch.c, lch.h_deg})
+            target(r, column++) = value;
+    }
+    return result;
+}
+
 /// A formula for the difference of two colours, of arrays that broadcast.
 template <double (*difference)(const Lab&, const Lab&)>
 double of_lab(double l1, double a1, double b1, double l2, double a2, double b2) {
@@ -221,6 +245,8 @@ void bind_exports(py::module_& module) {
 
     module.def("colours", &colours, py::arg("wavelength_nm"), py::arg("reflectance"),
                py::arg("viewed"));
+    module.def("colour_derivatives", &colour_derivatives, py::arg("wavelength_nm"),
+               py::arg("reflectance"), py::arg("slope"), py::arg("viewed"));
     module.def("delta_e_76", py::vectorize(&of_lab<delta_e_76>));
     module.def("delta_e_2000", py::vectorize(&of_lab<delta_e_2000>));
     module.def("covers_the_visible", &covers_the_visible, py::arg("wavelength_nm"));

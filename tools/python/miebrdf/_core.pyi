@@ -319,6 +319,15 @@ class SolvedScene:
         part: str,
         options: CallOptions,
     ) -> tuple[_Floats, dict[str, Any]]: ...
+    def hdrf_derivatives(
+        self,
+        parameters: Sequence[str],
+        mu_in: Sequence[float],
+        mu_out: Sequence[float],
+        azimuth_deg: Sequence[float],
+        diffuse_fraction: float,
+        options: CallOptions,
+    ) -> tuple[_Floats, dict[str, Any]]: ...
     def albedo_derivatives(
         self, parameters: Sequence[str], mu_in: Sequence[float], options: CallOptions
     ) -> tuple[list[dict[str, Any]], dict[str, Any]]: ...
@@ -417,6 +426,9 @@ def read_measured(
 ) -> dict[str, Any]: ...
 
 def colours(wavelength_nm: Sequence[float], reflectance: _Floats, viewed: str) -> _Floats: ...
+def colour_derivatives(
+    wavelength_nm: Sequence[float], reflectance: _Floats, slope: _Floats, viewed: str
+) -> _Floats: ...
 def delta_e_76(
     l1: _Floats, a1: _Floats, b1: _Floats, l2: _Floats, a2: _Floats, b2: _Floats
 ) -> _Floats: ...

@@ -19,7 +19,14 @@ from ._directions import (
     evaluate_exactly,
 )
 from ._options import Call
+from .colour import require_visible
 from .errors import UsageError
+
+#: Columns of a colour, as the program names them.
+_COLOURS = (
+    "x", "y", "z", "lab_l", "lab_a", "lab_b",
+    "srgb_red", "srgb_green", "srgb_blue", "lch_c", "lch_h",
+)  # fmt: skip
 
 
 class Derivatives:
@@ -103,6 +110,123 @@ class Derivatives:
         report.warn()
         attributes = {**BRDF_ATTRIBUTES, "part": part, **report.attributes()}
         return self._by_name(values, axes, attributes, "brdf")
+
+    def hdrf(
+        self,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+        diffuse_fraction: float = 0.0,
+    ) -> dict[str, Values]:
+        """Of the reflectance factor under a sky, as ``miebrdf brdf --quantity hdrf``.
+
+        Parameters
+        ----------
+        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg
+            As of `Brdf`; ``mu_in`` is the sun's.
+        diffuse_fraction : float
+            Share of the sky in the light, 0 (sun alone) to 1.
+
+        Returns
+        -------
+        dict of xarray.DataArray or numpy.ndarray
+            Per unit of each number, of shape ``(wavelengths, *broadcast directions)``.
+
+        Raises
+        ------
+        UsageError
+            As of `brdf`, and for a sky over an opaque lobe.
+
+        Examples
+        --------
+        >>> scene = Scene("hg:{w=0.9},{g=0.6}")
+        >>> scene.derivatives(550, ["g"]).hdrf(0.5, 0.9, 180.0, diffuse_fraction=0.3)["g"]
+        """
+        axes = axes_of((mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg))
+        if 0 in axes.shape:
+            empty: Floats = np.empty((len(self.names) * len(self._wavelengths_nm), *axes.shape))
+            return self._by_name(empty, axes, {}, "hdrf")
+        with Call(*self._call) as options:
+            values, report = evaluate_exactly(
+                lambda i, o, azimuth: self._solved.hdrf_derivatives(
+                    self.names, i, o, azimuth, diffuse_fraction, options
+                ),
+                axes,
+            )
+        report.warn()
+        return self._by_name(values, axes, report.attributes(), "hdrf")
+
+    def colour(
+        self,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+        illuminant: str = "d65",
+    ) -> dict[str, dict[str, Floats]]:
+        """Of the colour of the plane albedo, or where ``mu_out`` is given of pi times the BRDF.
+
+        Parameters
+        ----------
+        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg
+            As of `albedo` or `brdf`.
+        illuminant : str
+            "d65", "d50", "a" or "e", by the 2-degree observer or, after a comma, that of 10:
+            "d65,10".
+
+        Returns
+        -------
+        dict of dict of numpy.ndarray
+            By the name of each number and the columns of ``miebrdf albedo --colour``: x, y, z,
+            lab_l, lab_a, lab_b, srgb_red, srgb_green, srgb_blue (encoded), lch_c, lch_h (degrees;
+            not a number where there is no chroma), of the shape of the directions.
+
+        Raises
+        ------
+        UsageError
+            For wavelengths that are no colour (eight or more, from 430 to 650 nm or beyond), and as
+            of `brdf`.
+
+        Examples
+        --------
+        >>> scene = Scene("TiO2,radius={r=0.2} + Fe2O3,radius=0.1,volume={c=1}%")
+        >>> scene.derivatives(range(400, 701, 10), ["c"]).colour(0.5)["c"]["lab_b"]
+        """
+        require_visible(self._wavelengths_nm)
+        if mu_out is None and theta_out_deg is None:
+            axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
+            cosines = axes.arrays[0].reshape(-1).tolist()
+            with Call(*self._call) as options:
+                columns, _ = self._solved.albedo(cosines, options)
+            reflectance = columns["plane_albedo"]
+            slopes = self.albedo(mu_in, theta_in_deg=theta_in_deg)
+        else:
+            given = (mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg)
+            axes = axes_of(given)
+            with Call(*self._call) as options:
+                reflectance, _ = evaluate_exactly(
+                    lambda i, o, azimuth: self._solved.evaluate(i, o, azimuth, "total", options),
+                    axes,
+                )
+            reflectance = np.pi * reflectance
+            of_brdf = self.brdf(mu_in, mu_out, azimuth_deg, theta_in_deg=theta_in_deg,
+                                theta_out_deg=theta_out_deg)  # fmt: skip
+            slopes = {name: np.pi * slope for name, slope in of_brdf.items()}
+        nm = self._wavelengths_nm
+        rows = np.ascontiguousarray(np.asarray(reflectance).reshape(len(nm), -1).T)
+        result = {}
+        for name, slope in slopes.items():
+            change = np.ascontiguousarray(np.asarray(slope).reshape(len(nm), -1).T)
+            table = _core.colour_derivatives(nm, rows, change, illuminant)
+            result[name] = {
+                column: table[:, i].reshape(axes.shape) for i, column in enumerate(_COLOURS)
+            }
+        return result
 
     def albedo(
         self,

@@ -32,6 +32,14 @@ __all__ = [
 _LARGEST_FACTOR = 2.0
 
 
+def require_visible(nm: list[float]) -> None:
+    if not _core.covers_the_visible(nm):
+        raise UsageError(
+            "wavelengths_nm: a colour needs at least eight wavelengths, ascending, from 430 nm or "
+            "less to 650 nm or more"
+        )
+
+
 def _columns(
     reflectance: ArrayLike, wavelengths_nm: ArrayLike | None, illuminant: str, columns: slice
 ) -> Floats:
@@ -47,11 +55,7 @@ def _columns(
         raise UsageError(
             f"reflectance: shape {values.shape} does not have {len(nm)} wavelengths as its first axis"
         )
-    if not _core.covers_the_visible(nm):
-        raise UsageError(
-            "wavelengths_nm: a colour needs at least eight wavelengths, ascending, from 430 nm or "
-            "less to 650 nm or more"
-        )
+    require_visible(nm)
     rows = values.reshape(len(nm), -1).T
     # A glossy lobe is above 1 in some directions; percentages are so everywhere.
     if rows.size and float(rows.max(axis=1).min()) > _LARGEST_FACTOR:
