@@ -14,6 +14,7 @@
 #include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/matrix_average.h"
 #include "mie/ensemble/moment_transform.h"
+#include "mie/ensemble/paired_size_samples.h"
 #include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/phase_table.h"
 #include "mie/ensemble/ray_average.h"
@@ -41,6 +42,11 @@ struct DifferenceRule {
     /// Averages over rays are smooth in every number, but of products in single precision: so many
     /// times the step, whose second order is then below 1e-5.
     static constexpr double kRaySteps = 100;
+    /// P by rays turns its interference with every step, so that what a level of sizes leaves of
+    /// that is to be small beside the change: a hundredth of the number. The bias of rays, as
+    /// tables allow it, in shares of the tolerance of P.
+    static constexpr double kRayPhaseSteps = 1000, kRayBias = 0.25;
+    static constexpr int kRayLevel = 1;
 };
 
 /// Radii, and the length of radius that each stands for.
@@ -133,6 +139,7 @@ class FixedRadii {
 
     std::vector<double> radius_um() const {
         std::vector<double> all;
+        all.reserve(places_.size());
         for (const Place& place : places_) all.push_back(place.radius_um);
         return all;
     }
@@ -154,6 +161,7 @@ class FixedRadii {
             has_ends_ ? gained(range.largest_um, other.largest_um - range.largest_um) : 0.0;
         const double below =
             has_ends_ ? gained(range.smallest_um, range.smallest_um - other.smallest_um) : 0.0;
+        at.area_share.reserve(places_.size());
         for (const Place& place : places_) {
             const double inside =
                 place.length_um > 0.0 ? place.length_um * density->at(place.radius_um) : 0.0;
@@ -210,11 +218,18 @@ std::shared_ptr<const PhaseTable> table_of(const Eigen::VectorXd& values, const 
     return std::make_shared<const PhaseTable>(PhaseTable(std::move(parts)));
 }
 
+/// Those beyond the ones that are there.
+void add_moments_of_table(int highest, const Executor& run, EnsembleDifference& to) {
+    const std::vector<double> all = to.phase_table->moments(highest, run);
+    to.chi.insert(to.chi.end(), all.begin() + Eigen::Index(to.chi.size()), all.end());
+}
+
 /// Two numbers of a request in the middle, farther apart.
-EnsembleRequest farther(const EnsembleRequest& middle, const EnsembleRequest& side) {
+EnsembleRequest farther(const EnsembleRequest& middle, const EnsembleRequest& side,
+                        double times = DifferenceRule::kRaySteps) {
     EnsembleRequest result = side;
-    const auto move = [](auto& number, const auto& from) {
-        number = from + DifferenceRule::kRaySteps * (number - from);
+    const auto move = [times](auto& number, const auto& from) {
+        number = from + times * (number - from);
     };
     move(result.sizes.effective_radius_um, middle.sizes.effective_radius_um);
     move(result.sizes.effective_variance, middle.sizes.effective_variance);
@@ -232,18 +247,58 @@ bool has_room(const EnsembleRequest& middle, const EnsembleChange& change) {
     return numbers(change.plus) != numbers(middle) && numbers(change.minus) != numbers(middle);
 }
 
+/// By which rays P may be had at both sides of a change of spheres, as tables choose them; nothing
+/// where not, and where other laws weigh the same spheres.
+std::optional<PhaseMethod> rays_of_phase(const EnsembleRequest& middle,
+                                         const EnsembleChange& far_apart) {
+    if (far_apart.plus.refractive_index == far_apart.minus.refractive_index &&
+        far_apart.plus.host_index == far_apart.minus.host_index)
+        return std::nullopt;
+    for (const PhaseMethod method : {PhaseMethod::rays, PhaseMethod::exact_rays}) {
+        const auto is_good = [&](const EnsembleRequest& side) {
+            const PhaseRayBias bias =
+                phase_ray_bias(ensemble_of(side), method == PhaseMethod::exact_rays);
+            return bias.everywhere > 0 &&
+                   bias.typical() <= DifferenceRule::kRayBias * middle.phase_tolerance;
+        };
+        if (is_good(far_apart.plus) && is_good(far_apart.minus)) return method;
+    }
+    return std::nullopt;
+}
+
+Eigen::VectorXd phase_by_rays(const EnsembleRequest& request, PhaseMethod method,
+                              const std::vector<double>& angles_deg, const Executor& run) {
+    const Ensemble ensemble = ensemble_of(request);
+    PairedSizeSamples sizes(ensemble, request.phase_tolerance, method);
+    const std::vector<int> levels(std::size_t(sizes.part_count()), DifferenceRule::kRayLevel);
+    Eigen::VectorXd intensity = Eigen::VectorXd::Zero(Eigen::Index(angles_deg.size()));
+    double scattered = 0;
+    for (const PairedIntensity& part : sizes.levels(levels, angles_deg, false, run)) {
+        intensity += part.intensity.rowwise().sum();
+        scattered += part.scattered[0] + part.scattered[1];
+    }
+    return intensity / scattered;
+}
+
 /// Where averages are over rays, as those of large spheres of many sizes: no sphere is needed.
 /// Nothing where they are not.
 std::optional<EnsembleDifference> difference_of_rays(const EnsembleRequest& middle,
                                                      const EnsembleChange& change,
                                                      const DifferenceDemand& demand,
                                                      const Executor& run) {
-    if (demand.matrix_degree >= 0 || demand.phase_table != nullptr ||
-        demand.highest_moment > AverageLimits::kMostBandWidth || !has_room(middle, change))
+    const bool has_table = demand.phase_table != nullptr;
+    const bool from_table = has_table && demand.highest_moment > AverageLimits::kMostBandWidth;
+    if (demand.matrix_degree >= 0 || !has_room(middle, change) ||
+        (demand.highest_moment > AverageLimits::kMostBandWidth && !has_table))
         return std::nullopt;
+    const double times = DifferenceRule::kRayPhaseSteps;
+    const EnsembleChange far_apart{farther(middle, change.plus, times),
+                                   farther(middle, change.minus, times)};
+    std::optional<PhaseMethod> method;
+    if (has_table && !(method = rays_of_phase(middle, far_apart))) return std::nullopt;
+    const int highest = from_table ? AverageLimits::kSafeBandWidth : demand.highest_moment;
     const auto average = [&](const EnsembleRequest& request) {
-        return average_over_rays(ensemble_of(request), std::max(1, demand.highest_moment),
-                                 middle.tolerance, run);
+        return average_over_rays(ensemble_of(request), std::max(1, highest), middle.tolerance, run);
     };
     const auto a = average(farther(middle, change.plus)),
                b = average(farther(middle, change.minus));
@@ -257,8 +312,15 @@ std::optional<EnsembleDifference> difference_of_rays(const EnsembleRequest& midd
     result.one_minus_albedo = slope(a->one_minus_albedo, b->one_minus_albedo);
     result.q_ext = slope(a->q_ext, b->q_ext);
     result.asymmetry = slope(a->asymmetry, b->asymmetry);
-    for (int l = 0; l <= demand.highest_moment; ++l)
+    for (int l = 0; l <= highest; ++l)
         result.chi.push_back(slope(a->chi[std::size_t(l)], b->chi[std::size_t(l)]));
+    if (!method) return result;
+    const std::vector<double> angles_deg = angles_of(*demand.phase_table);
+    result.phase_table = table_of((phase_by_rays(far_apart.plus, *method, angles_deg, run) -
+                                   phase_by_rays(far_apart.minus, *method, angles_deg, run)) /
+                                      times,
+                                  *demand.phase_table);
+    if (from_table) add_moments_of_table(demand.highest_moment, run, result);
     return result;
 }
 
@@ -291,6 +353,7 @@ class DifferenceSums {
         const Radii radii = radii_of(middle_, most_sizes_, run_);
         const FixedRadii fixed(middle_, radii);
         std::vector<SpheresChange> spheres;
+        spheres.reserve(changes.size());
         for (const EnsembleChange& change : changes) spheres.push_back(fixed.change(change));
         const bool in_single = radii.rule == Rule::even && !options_.with_matrix &&
                                middle_.tolerance >= DifferenceRule::kLeastSingleTolerance;
@@ -313,6 +376,7 @@ class DifferenceSums {
         q_ext_ =
             knows_extinction ? exact(middle_) : q_abs_ + factor * sums_.middle.spheres.scattered;
         std::vector<EnsembleDifference> all;
+        all.reserve(changes.size());
         for (std::size_t c = 0; c < changes.size(); ++c) {
             const SphereSums& more = sums_.differences[c].spheres;
             // A single end has the ripple that its neighbours smooth.
@@ -381,12 +445,7 @@ class DifferenceSums {
         const double of_whole = result.chi[0] / all[0];
         for (std::size_t l = 0; l < all.size(); ++l)
             result.chi[l] = (result.chi[l] - of_whole * all[l]) / all[0];
-        if (from_table_) {
-            const std::vector<double> moments =
-                result.phase_table->moments(demand_.highest_moment, run_);
-            result.chi.insert(result.chi.end(), moments.begin() + Eigen::Index(result.chi.size()),
-                              moments.end());
-        }
+        if (from_table_) add_moments_of_table(demand_.highest_moment, run_, result);
         return result;
     }
 

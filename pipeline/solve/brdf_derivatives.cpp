@@ -1,7 +1,9 @@
 // Values of a Brdf with derivatives: the layers by closed forms, what lies on them by the formulas
 // that put it on.
 #include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -75,7 +77,12 @@ BrdfDerivatives Brdf::derivatives(const std::vector<std::string>& parameters) co
     auto state = std::make_shared<BrdfDerivatives::State>();
     state->brdf = state_;
     state->parameters = parameters;
-    for (const std::string& name : parameters) state->changes.push_back(change_of(*state_, name));
+    state->changes.reserve(parameters.size());
+    for (auto name = parameters.begin(); name != parameters.end(); ++name) {
+        if (std::find(parameters.begin(), name, *name) != name)
+            throw UsageError("derivatives by '" + *name + "' are asked for twice");
+        state->changes.push_back(change_of(*state_, *name));
+    }
     return BrdfDerivatives(std::move(state));
 }
 

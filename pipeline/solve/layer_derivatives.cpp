@@ -197,6 +197,7 @@ class WavelengthDerivatives {
         }
         const ChangedSpheres spheres(request_.scene, different, w_, demand_, control_);
         std::vector<rte::StackChange> stacks;
+        stacks.reserve(different.size());
         for (std::size_t i = 0; i < different.size(); ++i) {
             const SceneChange& change = *different[i];
             stacks.push_back({stack_of(change.plus, spheres.plus(i)),

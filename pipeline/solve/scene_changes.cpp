@@ -42,6 +42,12 @@ SceneChange around(const std::string& parameter, double value, std::size_t wavel
     const double scale = std::abs(value);
     double up = scale > 0.0 ? kStep * scale : kStepFromZero, down = up;
     auto plus = possible(make, value + up), minus = possible(make, value - down);
+    if (!plus && !minus) {
+        throw UsageError(
+            fmt::format("derivative by '{}' at {:g}: neither a little more nor a little less is "
+                        "allowed; it is a choice, and none of these values has a derivative",
+                        parameter, value));
+    }
     const double one_sided = scale > 0.0 ? kOneSidedStep * scale : kStepFromZero;
     if (!plus) {
         up = 0.0;
@@ -83,7 +89,7 @@ struct IndexParameter {
     std::string material;
 };
 std::optional<IndexParameter> index_parameter(const std::string& text) {
-    if (text.size() < 4 || text[1] != '(' || text.back() != ')') return std::nullopt;
+    if (text.size() < 3 || text[1] != '(' || text.back() != ')') return std::nullopt;
     if (text[0] != 'n' && text[0] != 'k') return std::nullopt;
     return IndexParameter{text[0] == 'k', text.substr(2, text.size() - 3)};
 }

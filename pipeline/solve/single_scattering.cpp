@@ -262,6 +262,7 @@ std::vector<std::pair<MediumOptics, MediumOptics>> changed_optics(
     }
     const auto request = ensemble_request(middle, w, demand);
     std::vector<mie::EnsembleChange> sides;
+    sides.reserve(changes.size());
     for (const SpeciesChange& change : changes)
         sides.push_back({ensemble_request(*change.plus, w, demand),
                          ensemble_request(*change.minus, w, demand)});
@@ -271,6 +272,7 @@ std::vector<std::pair<MediumOptics, MediumOptics>> changed_optics(
     const std::vector<mie::EnsembleDifference> differences =
         average(of, middle.species, request, run);
     std::vector<std::pair<MediumOptics, MediumOptics>> both;
+    both.reserve(changes.size());
     for (std::size_t c = 0; c < changes.size(); ++c) {
         const double above = changes[c].plus->key[w] == middle.key[w]    ? 0.0
                              : changes[c].minus->key[w] == middle.key[w] ? 1.0

@@ -27,6 +27,9 @@ std::vector<double> mirror_slope(const StackChange& change, const std::vector<do
     std::vector<double> plus, minus;
     find_mirror_reflectances(change.plus, mu_in, light, exact, plus);
     find_mirror_reflectances(change.minus, mu_in, light, exact, minus);
+    // One side alone has a boundary: where the step of the index begins to count.
+    if (plus.size() != minus.size())
+        return std::vector<double>(std::max(plus.size(), minus.size()), 0.0);
     return slope(plus, minus, change.apart);
 }
 
@@ -42,9 +45,11 @@ std::vector<ScaledSides> sides_of(const FrozenStack& frozen, std::span<const Sta
     return sides;
 }
 
-// Between media of several indices the number of nodes goes in steps.
+// Between media of several indices the number of nodes goes in steps; and indices that differ by
+// less than a step that counts have no boundary.
 bool has_nodes_of(const FrozenStack& frozen, const ScaledStack& scaled) {
-    if (!scaled.refracts() || !frozen.scaled().refracts()) return true;
+    if (scaled.refracts() != frozen.scaled().refracts()) return false;
+    if (!scaled.refracts()) return true;
     const std::vector<RefractionPanel>& panels = frozen.grids().refraction().panels();
     const StackGrids grids = frozen.grids_of(scaled);
     const std::vector<RefractionPanel>& others = grids.refraction().panels();

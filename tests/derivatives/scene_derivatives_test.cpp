@@ -245,3 +245,23 @@ TEST_CASE("what is not there has no derivative", "[derivatives][errors]") {
     say(scene, "coat", {"isotropic:0.8@{tau=0}"});
     CHECK_THROWS_WITH(solve(scene, {550}).derivatives({"tau"}), Catch::Contains("above 0"));
 }
+
+TEST_CASE("what is no number to vary is refused in its words", "[derivatives][errors]") {
+    Scene scene;
+    say(scene, "base", {"hg:{w=0.9},0.5"});
+    say(scene, "roughness", {"{m=0}"});
+    say(scene, "surface-index", {"1.5,0"});
+    const Brdf brdf = solve(scene, {550});
+    CHECK_THROWS_WITH(brdf.derivatives({"m"}), Catch::Contains("'m' at 0"));
+    CHECK_THROWS_WITH(brdf.derivatives({"w", "w"}), Catch::Contains("twice"));
+    CHECK_THROWS_WITH(brdf.derivatives({"n()"}), Catch::Contains("no material or host"));
+}
+
+TEST_CASE("at the least step of an index the boundary is that of the values", "[derivatives]") {
+    Scene scene;
+    say(scene, "base", {"hg:0.9,0.6 in index:{n=1.001}"});
+    say(scene, "boundary", {"smooth"});
+    const auto all = solve(scene, {550}).derivatives({"n"}).albedo({0.5});
+    // From there on it falls by about 1 for each unit of the index.
+    CHECK(std::abs(all.derivatives[0].at(0, 0)) <= 2.0);
+}
