@@ -37,8 +37,9 @@ ROOT = Path(__file__).resolve().parents[3]
 _NOT_SOURCES = {".git", "build", "out", "__pycache__", ".mypy_cache", ".ruff_cache"}
 # Entries of wheels have a date; one that does not change makes builds reproducible.
 _DATE = (2020, 1, 1, 0, 0, 0)
-# Minutes of one processor: everything once, and the arithmetic for one more path.
-_MINUTES_BASE, _MINUTES_PATH = 6.0, 3.0
+# Minutes of one processor that was busy with other work, too (docs/python.md): everything once, and
+# the arithmetic for one more path.
+_MINUTES_BASE, _MINUTES_PATH = 10.5, 5.5
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
@@ -155,10 +156,9 @@ def _build(settings: dict[str, Any]) -> Path:
     if "build-dir" not in settings or not begun:
         # Every time: an earlier one may have ended where a package was missing, or been for another Python.
         paths = _paths(settings.get("paths", "here"))
-        # Measured on a processor of 2021: docs/internals/build-log.md
         minutes = (_MINUTES_BASE + _MINUTES_PATH * len(paths.split(";") if paths else [])) / float(jobs)
         _say(f"compiling for x86-64{' and ' + paths.replace(';', ', ') if paths else ''} with {jobs} "
-             f"processes: about {max(1, round(minutes))} minutes on a recent machine")  # fmt: skip
+             f"processes: about {max(1, round(minutes))} minutes, less on a quiet machine")  # fmt: skip
         wanted = not begun and "CMAKE_GENERATOR" not in os.environ and shutil.which("ninja")
         ninja = ["-G", "Ninja"] if wanted else []
         _run("cmake", "-S", ROOT, "-B", folder, *ninja, "-DCMAKE_BUILD_TYPE=Release",
