@@ -19,11 +19,9 @@ constexpr double kDegree = std::numbers::pi / 180;
 // docs/maths-mie.md#phase-function and docs/internals/mie-log.md have the measurements.
 // docs/internals/constants.md says what each constant does.
 struct Refinement {
-    /// Shares of the tolerance: for the noise of one part of several, and, of that of
-    /// interpolation, for what the polynomial of one part leaves out.
-    static constexpr double kPartShare = 0.25, kSmoothShare = 0.1;
-    /// While sizes do not resolve exp(2i x), only this share of the tolerance is believed.
-    static constexpr double kCoarseShare = 0.3;
+    /// One part of several may have this share of the tolerance: for its noise, and for what its
+    /// polynomial leaves out.
+    static constexpr double kPartShare = 0.25;
     /// Noise alone shows as a polynomial's tail of 0.8 of itself, by rays of less.
     static constexpr double kTailOfNoise = 2.0, kTailOfRayNoise = 1.3;
     /// Half a period of the fastest wave in P: eight nodes leave 1e-6 of that.
@@ -36,12 +34,6 @@ struct Refinement {
     static constexpr int kMomentsToJudge = 400;
 };
 
-struct TableRule {
-    /// Glories are held to this share of the tolerance by rays, where that costs little: their
-    /// noise is exceeded more often than that of other angles (docs/internals/mie-log.md).
-    static constexpr double kBackwardShare = 0.45;
-};
-
 struct PointRule {
     /// Errors of points in rms over the nodes of a panel, exceeded by one in twenty; glories are
     /// narrower than the samples of few sizes tell.
@@ -50,12 +42,10 @@ struct PointRule {
     /// as far as this share of what is allowed, because that costs nothing.
     static constexpr double kReportedOverEstimated = 3, kReportedShare = 0.5,
                             kJustAllowed = 1 - 1e-12;
-    /// Shares of what is allowed: for interpolation, and for what rays leave out.
-    static constexpr double kInterpolationShare = 0.25, kBiasShare = 0.5;
+    /// The share of what is allowed that interpolation may have.
+    static constexpr double kInterpolationShare = 0.25;
     /// The finest level of sizes follows this tolerance: PhaseGoal::most_work bounds it.
     static constexpr double kFinest = 1e-6;
-    /// Bias by rays is relative to max(P, this); so is noise where errors allowed are absolute.
-    static constexpr double kFloor = 0.5;
     /// Panels have no neighbours to be judged by: samples of the first level of ripple may agree by
     /// chance.
     static constexpr int kLeastLevel = 1;
@@ -195,7 +185,7 @@ class PanelRefinement {
         const bool narrow = panel.width() <= Refinement::kNarrowest * ensemble_.finest_angle();
         if (!narrow && may_halve(panel) &&
             panel.tail() > std::max(demand.interpolation / largest, of_noise)) {
-            halve(place, Refinement::kSmoothShare * demand.interpolation);
+            halve(place, Refinement::kPartShare * demand.interpolation);
         } else if (panel.level() >= sizes_.last_level() || gains_nothing(panel) ||
                    work_ * sizes_.sizes_at(panel.level() + 1) > goal_.most_work ||
                    is_enough(place, noise_around, demand.noise)) {
@@ -254,10 +244,8 @@ class Tabulation : public PanelRefinement {
         const PhasePanel& panel = place.panel;
         const int level = panel.level();
         const bool tells = level > (by_rays() ? 1 : 0) && sizes_.resolves(level);
-        double believed = sizes_.resolves(level) ? 1.0 : Refinement::kCoarseShare;
-        if (by_rays() && panel.is_backward()) believed = TableRule::kBackwardShare;
-        return (tells ? panel.noise() : noise_around) <= believed * demanded &&
-               panel.moment_noise(goal_.first_moment) <= believed * goal_.moment_tolerance;
+        return (tells ? panel.noise() : noise_around) <= demanded &&
+               panel.moment_noise(goal_.first_moment) <= goal_.moment_tolerance;
     }
 
     void accept(Place place) override { done_.push_back(std::move(place.panel)); }
@@ -342,7 +330,7 @@ class PointSeries : public PanelRefinement {
         in_double_ = !by_rays() && goal.size_tolerance < PointRule::kLeastSingleTolerance;
         // Rays have no bound on their work, but a finest level that is soon there.
         if (by_rays()) goal_.most_work = kInfinity;
-        if (allowance.is_absolute()) goal_.floor = PointRule::kFloor;
+        if (allowance.is_absolute()) goal_.floor = PhaseRayBias::kFloor;
     }
 
     void compute(std::vector<Place> places) { refine(std::move(places)); }
@@ -429,9 +417,9 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
         PointSeries(ensemble_, goal, run_, allowance, result).compute(std::move(places));
     };
     // P is not known yet: what is dark is held to the floor.
-    const double bias = PointRule::kDeviations * goal_.ray_bias.everywhere * PointRule::kFloor;
+    const double bias = PointRule::kDeviations * goal_.ray_bias.everywhere * PhaseRayBias::kFloor;
     const auto too_biased = [&](const Point& point, double value) {
-        return !(bias <= PointRule::kBiasShare * allowance.at(point, value));
+        return !(bias <= allowance.at(point, value));
     };
     const auto places_of = [&](const auto& is_wanted) {
         std::vector<Place> places;
@@ -449,7 +437,7 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
         return places;
     };
     const auto by_rays = [&](const Point& point) {
-        return goal_.method != PhaseMethod::sizes && !too_biased(point, PointRule::kFloor);
+        return goal_.method != PhaseMethod::sizes && !too_biased(point, PhaseRayBias::kFloor);
     };
     compute(true, places_of(by_rays));
     compute(false, places_of([&](const Point& point) {

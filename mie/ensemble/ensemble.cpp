@@ -39,14 +39,14 @@ struct AverageRule {
 struct DarkMedium {
     static constexpr double kDark = 0.2;  ///< spherical albedo of a half-space
     static constexpr double kLeastShare = 1e-3;
-    /// P is then wanted better by this than where light scattered many times outshines it, but
-    /// not of large rippling spheres, where that would be dear: those of a larger size parameter.
-    static constexpr double kPhaseShare = 0.03, kFewWaves = 300;
+    /// P is then wanted better, too, but not of large rippling spheres, where that would be dear:
+    /// those of a larger size parameter.
+    static constexpr double kFewWaves = 300;
 };
 
-// Tables by rays: their bias is relative to max(P, 1/2), and a share of the tolerance.
+// Tables by rays: their bias is a share of the tolerance.
 struct RayTable {
-    static constexpr double kLeastFloor = 0.25, kBiasShare = 0.25;
+    static constexpr double kBiasShare = 0.25;
 };
 
 /// Moments from the intensity at Gauss nodes in cos(angle), for ensembles whose bands of products
@@ -303,7 +303,7 @@ void EnsembleAverage::put_phase_table() {
     PhaseGoal goal;
     const bool is_cheap = !ensemble_.ripples() || ensemble_.largest_x() < DarkMedium::kFewWaves;
     const double bright = request_.phase_floor > 0 && is_cheap ? half_space_albedo(optics_) : 1.0;
-    const double relaxed = bright + (1 - bright) * DarkMedium::kPhaseShare;
+    const double relaxed = std::max(bright, DarkMedium::kLeastShare);
     goal.interpolation_tolerance = relaxed * request_.table_tolerance;
     goal.size_tolerance = relaxed * request_.phase_tolerance;
     goal.floor = bright * request_.phase_floor;
@@ -312,7 +312,7 @@ void EnsembleAverage::put_phase_table() {
     for (const auto method : {PhaseMethod::rays, PhaseMethod::exact_rays}) {
         const PhaseRayBias bias = phase_ray_bias(ensemble_, method == PhaseMethod::exact_rays);
         if (goal.method != PhaseMethod::sizes || !(bias.everywhere > 0) ||
-            !(goal.floor >= RayTable::kLeastFloor) ||
+            !(goal.floor >= PhaseRayBias::kFloor) ||
             !(bias.typical() <= RayTable::kBiasShare * goal.size_tolerance))
             continue;
         goal.method = method;

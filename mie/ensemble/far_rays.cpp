@@ -20,8 +20,6 @@ struct FarRayRule {
     /// Orders below and above that scatter less than this share of the light together are left
     /// out: 1e-5 of P straight back, where all add up in step.
     static constexpr double kFaint = 1e-7;
-    /// Where less than this comes back from the surface, 4e-9 or less is left after sixteen ways.
-    static constexpr double kSteep = 0.3;
     /// 1 - |R|^2, where |R| is 1 to rounding.
     static constexpr double kLeastLoss = 1e-28;
 };
@@ -117,16 +115,11 @@ void put(int n, const RayResponse& r, int ways_before, FarWave OneSize::*wave,
     Lanes energy;
     for (int lane = 0; lane < kLaneCount; lane += kVectorSize) {
         const ComplexVector back = load(r.inner, lane);
-        const auto steep = norm(back) < Vector{} + FarRayRule::kSteep;
-        const Vector none{};
-        const ComplexVector all = load(r.through, lane) * power(back, ways_before);
-        const ComplexVector wave_here{steep ? none : all.re, steep ? none : all.im};
-        const Vector loss = 1 - norm(back);
+        const ComplexVector wave_here = load(r.through, lane) * power(back, ways_before);
+        const Vector loss = 1 - norm(back), least = Vector{} + FarRayRule::kLeastLoss;
         store(wave_here, waves, lane);
-        store({steep ? none : back.re, steep ? none : back.im}, inner, lane);
-        store(norm(wave_here) /
-                  (loss > FarRayRule::kLeastLoss ? loss : none + FarRayRule::kLeastLoss),
-              energy, lane);
+        store(back, inner, lane);
+        store(norm(wave_here) / (loss > least ? loss : least), energy, lane);
     }
     for (int lane = 0; lane < kLaneCount; ++lane) {
         FarWave& to = spheres[lane].*wave;

@@ -27,8 +27,8 @@ using Rule = SizePasses::Rule;
 struct MatrixRule {
     /// Points of P have the errors of all degrees: their relative change counts for this much less
     /// than that of single degrees. Where P is below `phase_floor`, it is relative to that, which
-    /// falls with what a half-space returns, but not below kLeastFloor; without a floor to kDim.
-    static constexpr double kPhasePerDegree = 10.0, kDim = 0.5, kLeastFloor = 1e-3;
+    /// falls with what a half-space returns; without a floor to kDim.
+    static constexpr double kPhasePerDegree = 10.0, kDim = 0.5;
     /// Noise of a panel is the rms over the nodes up to so many panels to both sides.
     static constexpr int kNoisePanels = 4;
 };
@@ -108,8 +108,7 @@ class MatrixAverage {
         scalar.phase_floor = 0;
         result_.optics = average_over_sizes(scalar, run_);
         if (request_.phase_floor > 0)
-            floor_ = std::max(MatrixRule::kLeastFloor,
-                              half_space_albedo(result_.optics) * request_.phase_floor);
+            floor_ = half_space_albedo(result_.optics) * request_.phase_floor;
         const int nodes = static_cast<int>(rule_.nodes.size());
         const AngularFunctions angles(
             Eigen::Map<const Eigen::ArrayXd>(rule_.nodes.data(), Eigen::Index(nodes)), terms_,

@@ -11,12 +11,14 @@ namespace miebrdf::mie {
 
 /// The error of P by rays that no number of sizes removes, rms over the angles.
 struct PhaseRayBias {
-    /// Relative to max(P, 1/2). 0: P is not to be computed by rays (no RayBound, or too few ripples
-    /// for rays to be cheaper).
+    /// Relative to max(P, kFloor). 0: P is not to be computed by rays (no RayBound).
     double everywhere = 0;
     /// The share that rays of different ways p and q leave at sharp ends of the sizes, relative to
     /// the root of the sum of P_p P_q over p != q.
     double ends = 0;
+
+    /// P below this has the bias of this.
+    static constexpr double kFloor = 0.5;
 
     double typical() const { return everywhere + 0.3 * ends; }
 };

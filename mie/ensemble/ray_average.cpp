@@ -46,9 +46,6 @@ struct PhaseRayRule {
     /// at 2.6.
     static constexpr double kCrossingIndex = 1.4, kCrossingBias = 0.5, kExactCrossingBias = 1.5;
     static constexpr double kLargestBound = 1e-3;
-    /// Sizes that sample fewer ripples than this, with 2.5 spheres for each, cost less than the
-    /// first level of rays.
-    static constexpr int kLeastRipples = 40;
 };
 
 double rule_error(double x_effective, int highest_moment, int sizes) {
@@ -110,13 +107,8 @@ RayBound ray_bound(const Ensemble& ensemble) {
 PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact) {
     const RayBound bound = ray_bound(ensemble);
     const double k = ensemble.wave_number_per_um;
-    const double width = k * (ensemble.range.largest_um - ensemble.range.smallest_um);
     const double index = ensemble.scatterer.n();
-    if (!(bound.total() <= PhaseRayRule::kLargestBound) ||
-        coarsest_even_count(ensemble.scatterer.ripple_period(), width) <
-            PhaseRayRule::kLeastRipples) {
-        return {};
-    }
+    if (!(bound.total() <= PhaseRayRule::kLargestBound)) return {};
     const double x = k * effective_radius_of(ensemble.sizes);
     if (index < PhaseRayRule::kCrossingIndex)
         return {(exact ? PhaseRayRule::kExactCrossingBias : PhaseRayRule::kCrossingBias) / x};

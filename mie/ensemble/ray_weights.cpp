@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace miebrdf::mie {
@@ -21,13 +22,8 @@ struct InterferenceRule {
     static constexpr std::size_t kMostRays = 6, kMostRates = 8;
     /// Two phases that differ by less, in radians over all sizes, are one ray.
     static constexpr double kSamePhase = 0.7;
-    /// Rays that all but come to the angle, in radians: next to a bow on its dark side, and along
-    /// the edge.
-    static constexpr double kNearBow = 0.15, kNearEdge = 0.35, kNearEdgeOfDiffraction = 0.5;
-    /// The light along the edge.
-    static constexpr double kFaintEdge = 1e-3, kBrightEdge = 0.05;
-    /// d deviation / d incidence next to a bow, where geometric optics has none.
-    static constexpr double kSlowestTurn = 0.05;
+    /// Rays along the edge that all but come to the angle, in radians.
+    static constexpr double kNearEdge = 0.35;
     /// Incidences at which deviations are known, and the width in x of pieces with eight nodes:
     /// enough for rates up to some 2.
     static constexpr int kIncidences = 128;
@@ -110,8 +106,9 @@ RayInterference::Ray RayInterference::ray(int way, double outside, double target
     const double b = std::sin(outside), cosine = std::cos(outside);
     const double inner = std::sqrt(index_ * index_ - b * b);
     const double aside = target - deviation(way, outside, std::asin(b / index_));
+    // At a bow the deviation does not turn.
     const double turn =
-        std::max(std::abs(2 - 2 * way * cosine / inner), InterferenceRule::kSlowestTurn);
+        std::max(std::abs(2 - 2 * way * cosine / inner), std::numeric_limits<double>::min());
     return {2 * (way * inner - cosine) + b * aside,
             share_of(way, cosine, inner, index_) * b * cosine / turn};
 }
@@ -144,28 +141,16 @@ std::vector<RayInterference::Ray> RayInterference::rays(int way, double theta) c
     std::vector<Ray> all;
     const double bow =
         way > index_ ? std::asin(std::sqrt((way * way - index_ * index_) / (way * way - 1))) : 0;
-    const double bow_deviation =
-        bow > 0 ? deviation(way, bow, std::asin(std::sin(bow) / index_)) : 0;
     // Deviations fall up to the bow and rise from there on.
     const std::size_t last = incidences_.size() - 1;
     const auto least = static_cast<std::size_t>(std::lround(bow / (0.5 * kPi) * double(last)));
     for (const double angle : {theta, -theta}) {
         if (least > 0) add_rays(way, angle, 0, least, all);
         if (least < last) add_rays(way, angle, least, last, all);
-        if (bow > 0) {
-            const double aside = within_half_turn(angle - bow_deviation);
-            if (aside < 0 && aside > -InterferenceRule::kNearBow)
-                all.push_back(ray(way, bow, bow_deviation + aside));
-        }
         const double at_edge = deviation(way, 0.5 * kPi, incidences_.back().inside);
         const double aside = within_half_turn(angle - at_edge);
-        if (std::abs(aside) <
-            (way == 0 ? InterferenceRule::kNearEdgeOfDiffraction : InterferenceRule::kNearEdge)) {
-            Ray edge = ray(way, 0.5 * kPi, at_edge + aside);
-            edge.intensity =
-                way == 0 ? InterferenceRule::kBrightEdge : InterferenceRule::kFaintEdge;
-            all.push_back(edge);
-        }
+        if (std::abs(aside) < InterferenceRule::kNearEdge)
+            all.push_back(ray(way, 0.5 * kPi, at_edge + aside));
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const Ray& a, const Ray& b) { return a.intensity > b.intensity; });

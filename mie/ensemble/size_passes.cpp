@@ -22,10 +22,9 @@ struct PassRule {
     /// no more than twice kMostSmoothStart, as many periods average out over fewer sizes. With 8
     /// and 16 sizes 1.5 + 0.05i of 2 um at 450 nm erred by 1.1e-4 and said 6.8e-6.
     static constexpr double kPerPeriod = 2, kDamped = 7, kMostSmoothStart = 32;
-    /// The even rule takes over beyond so many.
-    static constexpr int kSmoothLimit = 256;
     /// Sizes of the first pass of the even rule at most: where there are thousands of periods,
     /// ripple averages out over fewer sizes than one for each of them, and each pass says how far.
+    /// Beyond so many it takes over from Gauss rules.
     static constexpr int kMostFirst = 256;
     /// Spheres up to this size parameter have no resonance that is narrow.
     static constexpr double kSmallSpheres = 3;
@@ -79,7 +78,7 @@ bool SizePasses::refine() {
     ++pass_;
     if (rule_ == Rule::even) {
         take(nested_size_nodes(ensemble_.sizes, ensemble_.range, first_count_, pass_));
-    } else if (const int count = first_count_ << pass_; count > PassRule::kSmoothLimit) {
+    } else if (const int count = first_count_ << pass_; count > PassRule::kMostFirst) {
         start_even();
     } else {
         take(smooth_size_nodes(ensemble_.sizes, ensemble_.range, count));

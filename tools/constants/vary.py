@@ -28,7 +28,7 @@ FIXED = {'kAnglesPerTile', 'kTileStep', 'kRegisters', 'kCount', 'kVectors', 'kPa
          'kRegisterSize', 'kNumbers', 'kIncidences', 'kTogether', 'kNeighbours', 'kDip', 'kFewestNodes', 'kMostNodes',
          'kCut', 'kLargest', 'kHalf', 'half', 'whole', 'unknown', 'never', 'piece', 'columns', 'part', 'count', 'N',
          'last', 'end', 'kLeastIndex', 'kLargestIndex', 'kLeastRoughIndex', 'kLeastIndexStep', 'shares_of_two',
-         'kSeriesLanes', 'kStreams'}
+         'kSeriesLanes', 'kStreams', 'kWideShare', 'kNarrowShare', 'kDoublings'}
 # Memory, pieces for threads, limits of patience, rounding: they change time or nothing.
 TIME_ALONE = {'kMostKept', 'kMostChunksOfSample', 'kLeastChunkOfSample', 'kMostColumns', 'kMostOfFunctions',
               'kTilesPerJob', 'kTilesWorthACopy', 'kMostChunks', 'kLeastChunk', 'kChunkMemory', 'kPartMemory',
