@@ -17,6 +17,15 @@ std::string cgats_file(const std::string& fields, const std::string& rows,
 
 }  // namespace
 
+TEST_CASE("fields of spectra go by several names", "[measured][cgats]") {
+    const std::string name =
+        GENERATE("SPECTRAL_NM", "SPECTRAL_NM_", "SPECTRAL_", "nm", "R_", "NM_");
+    CAPTURE(name);
+    const Measurements list = read_text(
+        cgats_file(name + "400 " + name + "410", "1 a 0.4 0.5\n2 b 0.01 0.02\n"), {}, "chart.txt");
+    CHECK(support::values_of(list) == Doubles{0.4, 0.5, 0.01, 0.02});
+}
+
 TEST_CASE("spectra and Lab of CGATS tables are read with their scale and geometry",
           "[measured][cgats]") {
     const Measurements list =

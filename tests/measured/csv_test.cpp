@@ -1,6 +1,9 @@
 // Tables of measurements as people, spreadsheets and this program write them.
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "tests/measured/read_text.h"
 #include "tests/support/catch.h"
@@ -200,4 +203,48 @@ TEST_CASE("words for quantities lead to their kinds and back", "[measured]") {
     CHECK(word_of(MeasuredGeometry::d45_0) == "45-0");
     CHECK(word_of(measured_kind("spherical_transmittance").quantity) == "transmittance");
     CHECK_THROWS_AS(measured_kind("gloss"), UsageError);
+}
+
+TEST_CASE("rows of spectra may have directions", "[measured][csv]") {
+    const std::string text =
+        "theta_i,phi_i,theta_r,phi_r,400nm,500nm,600nm\n"
+        "45,0,30,0,0.2,0.3,0.31\n45,0,60,180,0.21,,0.33\n";
+    CHECK_THROWS_WITH(read_text(text), Catch::Contains("brdf (1/sr) or reflectance_factor"));
+    MeasuredOptions options;
+    options.quantity = "brdf";
+    const Measurements list = read_text(text, options);
+    REQUIRE(list.values.size() == 5);
+    CHECK(list.samples.size() <= 1);
+    for (const MeasuredValue& value : list.values) {
+        CAPTURE(value.value, value.wavelength_nm);
+        const bool is_first_row = value.value == 0.2 || value.value == 0.3 || value.value == 0.31;
+        const double theta = is_first_row ? 30.0 : 60.0;
+        CHECK(value.mu_out == Approx(std::cos(theta * std::numbers::pi / 180.0)));
+        CHECK(value.azimuth_deg == Approx(is_first_row ? 180 : 0).margin(1e-9));
+        if (value.value == 0.3) CHECK(value.wavelength_nm == 500);
+    }
+}
+
+TEST_CASE("a value belongs to the column of wavelengths before it, and words may follow the rows",
+          "[measured][csv]") {
+    const Measurements list = read_text(
+        "Sample1,,Baseline,\nWavelength (nm),%R,Wavelength (nm),%R\n"
+        "800,45.1,800,99\n799,46.2,798,98\n\nMethod\nScan rate (nm/min) 600\n");
+    REQUIRE(list.samples == std::vector<std::string>{"Sample1", "Baseline"});
+    REQUIRE(list.values.size() == 4);
+    std::set<double> of_baseline;
+    for (const MeasuredValue& value : list.values) {
+        if (value.sample == 1) of_baseline.insert(value.wavelength_nm);
+        CHECK(value.value <= 1.0);
+    }
+    CHECK(of_baseline == std::set<double>{798, 800});
+    CHECK_THROWS_AS(read_text("wavelength_nm,R\n500,0.5\n550\n600,0.55\n"), Error);
+}
+
+TEST_CASE("spectra of spreadsheets in German have decimal commas", "[measured][csv]") {
+    const Measurements list = read_text(
+        "\xef\xbb\xbfWellenl\xc3\xa4nge (nm);Reflexion (%)\n400;45,1\n410;46,2\n420;47,3\n");
+    REQUIRE(list.values.size() == 3);
+    CHECK(list.values[2].value == Approx(0.473));
+    CHECK(list.values[2].quantity == MeasuredQuantity::reflectance);
 }
