@@ -22,6 +22,9 @@ constexpr double kAtBound = 1e-6;
 /// are not named.
 constexpr double kTakesPart = 0.2;
 
+/// Changes of the residuals below this, in sigmas, are rounding.
+constexpr double kNothing = 1e-6;
+
 /// What counts as known: a positive number to a factor of e, another one to its
 /// own size, and none to more than half its range.
 double unit_of(const Unknown& unknown, double x) {
@@ -43,6 +46,7 @@ struct Component {
     std::size_t slot;
     double share;  ///< of the unit vector
     double step;   ///< of the fitted number
+    double alone;  ///< by how many sigma its unit changes the residuals while all others stay
 };
 
 bool is_log(const Unknown& unknown) { return unknown.scale != Unknown::Scale::linear; }
@@ -85,15 +89,20 @@ std::string in_words(const FitProblem& problem, const Model& model, std::vector<
     std::sort(parts.begin(), parts.end(), [](const Component& a, const Component& b) {
         return std::abs(a.share) > std::abs(b.share);
     });
-    std::erase_if(parts, [](const Component& d) { return std::abs(d.share) < kTakesPart; });
+    // A number that alone would be known has a partner, however little this one moves.
+    const std::size_t least =
+        parts.front().alone >= 1.0 ? std::min<std::size_t>(2, parts.size()) : 1;
+    while (parts.size() > least && std::abs(parts.back().share) < kTakesPart) parts.pop_back();
     if (parts.size() == 1) {
         const Unknown& unknown = problem.unknowns[model.slots()[parts[0].slot].unknown];
         const double unit = unit_of(unknown, numbers[parts[0].slot]);
-        return fmt::format("{} is not determined: {} changes the residuals by {:.2g} sigma in all",
-                           name_of(problem, model, parts[0].slot),
-                           is_log(unknown) ? fmt::format("a factor of {:.2g}", std::exp(unit))
-                                           : fmt::format("{:.2g} more", unit),
-                           singular);
+        const std::string move = is_log(unknown) ? fmt::format("a factor of {:.2g}", std::exp(unit))
+                                                 : fmt::format("{:.2g} more", unit);
+        return fmt::format(
+            "{} is not determined: {} {}", name_of(problem, model, parts[0].slot), move,
+            singular < kNothing
+                ? std::string("leaves the residuals as they are")
+                : fmt::format("changes the residuals by {:.2g} sigma in all", singular));
     }
     if (parts.size() == 2) {
         return fmt::format("{} and {} are determined only as {}",
@@ -194,7 +203,8 @@ Certainty certainty_of(const FitProblem& problem, const Model& model, const Targ
         std::vector<Component> parts;
         for (std::size_t f = 0; f < free.size(); ++f) {
             const double share = V(Eigen::Index(f), k);
-            parts.push_back({free[f], share, share * units[f] / std::max(singular(k), least)});
+            parts.push_back({free[f], share, share * units[f] / std::max(singular(k), least),
+                             scaled.col(Eigen::Index(f)).norm()});
         }
         result.undetermined.push_back(
             in_words(problem, model, std::move(parts), singular(k), numbers));
