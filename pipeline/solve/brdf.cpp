@@ -160,10 +160,10 @@ AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& 
 AlbedoValues albedo_of(const BrdfState& state, std::vector<LayerSlice> layers,
                        const std::vector<double>& mu_in) {
     const ResolvedScene& scene = state.resolved;
-    if (scene.surface) {
-        run_parallel("surface", layers.size(), state.control, [&](std::size_t w) {
-            add_surface_to_albedos(scene, w, mu_in, layers[w].values);
-        });
+    if (scene.surface && !layers.empty()) {
+        const SurfaceOverAlbedos surface(scene, mu_in, layers.size());
+        run_parallel("surface", layers.size(), state.control,
+                     [&](std::size_t w) { surface.add_to(w, layers[w].values); });
     }
     AlbedoValues values = albedo_values(std::move(layers), scene, mu_in, state.solver);
     values.tolerance = state.solver.tolerance;

@@ -145,7 +145,7 @@ WithDerivatives<AlbedoValues> BrdfDerivatives::albedo(const std::vector<double>&
                 both_sides(layers[w], slopes[c][w], change, w,
                            [&](LayerSlice layer, const ResolvedScene& scene) {
                                if (scene.surface)
-                                   add_surface_to_albedos(scene, w, mu_in, layer.values);
+                                   SurfaceOverAlbedos(scene, mu_in, 1).add_to(w, layer.values);
                                return layer;
                            });
             const double apart = change.apart[w];

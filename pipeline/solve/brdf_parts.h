@@ -33,7 +33,7 @@ BrdfValues brdf_values(std::vector<LayerSlice> layers, const BrdfState& state,
 AlbedoValues albedo_of(const BrdfState& state, std::vector<LayerSlice> layers,
                        const std::vector<double>& mu_in);
 
-/// @param layers  the same with the surface (add_surface_to_albedos)
+/// @param layers  the same with the surface (SurfaceOverAlbedos)
 AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& scene,
                            const std::vector<double>& mu_in, const SolverOptions& solver);
 

@@ -72,6 +72,12 @@ SurfacePart looked_up(const ResolvedScene& scene, std::size_t w, const Direction
     return part;
 }
 
+std::vector<double> with_nodes_of_mean(std::vector<double> mu_in) {
+    const math::Quadrature rule = math::gauss_legendre(kNodesOfMean, 0.0, 1.0);
+    mu_in.insert(mu_in.end(), rule.nodes.begin(), rule.nodes.end());
+    return mu_in;
+}
+
 /// In this form layers that absorb nothing give 1 to the last bit.
 double with_surface(double rho, double layers) { return layers + rho * (1.0 - layers); }
 
@@ -92,17 +98,18 @@ SurfacePart surface_part(const ResolvedScene& scene, std::size_t w, const Direct
     return part;
 }
 
-void add_surface_to_albedos(const ResolvedScene& scene, std::size_t w,
-                            const std::vector<double>& mu_in, std::vector<double>& albedos) {
-    const rte::SurfaceLobe lobe = lobe_of(scene, w);
-    for (std::size_t i = 0; i < mu_in.size(); ++i)
-        albedos[i] = with_surface(lobe.directional_reflectance(mu_in[i]), albedos[i]);
+SurfaceOverAlbedos::SurfaceOverAlbedos(const ResolvedScene& scene, const std::vector<double>& mu_in,
+                                       std::size_t wavelengths)
+    : scene_(scene), reflectances_(*scene.surface, with_nodes_of_mean(mu_in), wavelengths) {}
+
+void SurfaceOverAlbedos::add_to(std::size_t w, std::vector<double>& albedos) const {
+    const std::vector<double> rho = reflectances_.at(scene_.surface_index[w]);
+    const std::size_t asked = rho.size() - kNodesOfMean;
+    for (std::size_t i = 0; i < asked; ++i) albedos[i] = with_surface(rho[i], albedos[i]);
     const math::Quadrature rule = math::gauss_legendre(kNodesOfMean, 0.0, 1.0);
     double mean_rho = 0.0;
-    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-        const double mu = rule.nodes[i];
-        mean_rho += 2.0 * rule.weights[i] * mu * lobe.directional_reflectance(mu);
-    }
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i)
+        mean_rho += 2.0 * rule.weights[i] * rule.nodes[i] * rho[asked + i];
     albedos.back() = with_surface(mean_rho, albedos.back());
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/solve/resolved_scene.h"
+#include "rte/surface/reflectance_table.h"
 
 namespace miebrdf {
 
@@ -30,9 +31,21 @@ SurfacePart surface_part(const ResolvedScene& scene, std::size_t w, const Direct
                          SurfaceDemand demand, const Control& control);
 
 /// Albedos of the layers as those of the whole, as eq. (5) adds them: rho + (1 - rho) A.
-/// @param albedos  plane albedos at mu_in, then the spherical albedo, of the light that the surface
-///                 lets in, counting what gets out again (LayerQuantity::albedo_through_surface)
-void add_surface_to_albedos(const ResolvedScene& scene, std::size_t w,
-                            const std::vector<double>& mu_in, std::vector<double>& albedos);
+class SurfaceOverAlbedos {
+  public:
+    /// Of a scene with a surface, which must outlive this.
+    /// @param wavelengths  so many will be asked for
+    SurfaceOverAlbedos(const ResolvedScene& scene, const std::vector<double>& mu_in,
+                       std::size_t wavelengths);
+
+    /// @param albedos  plane albedos at mu_in, then the spherical albedo, of the light that the
+    ///                 surface lets in, counting what gets out again
+    ///                 (LayerQuantity::albedo_through_surface)
+    void add_to(std::size_t w, std::vector<double>& albedos) const;
+
+  private:
+    const ResolvedScene& scene_;
+    rte::ReflectanceTable reflectances_;  ///< of mu_in, then of the nodes of the mean
+};
 
 }  // namespace miebrdf

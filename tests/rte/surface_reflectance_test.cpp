@@ -4,6 +4,7 @@
 
 #include <miebrdf/surface.h>
 #include "rte/surface/fresnel.h"
+#include "rte/surface/reflectance_table.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
@@ -183,4 +184,23 @@ TEST_CASE("rho refuses nonsense with the value", "[rte][rho][errors]") {
     CHECK_THROWS_WITH(rte::directional_reflectance({-1.5, 0}, {}, 0.5), Catch::Contains("-1.5"));
     CHECK_THROWS_WITH(rte::directional_reflectance({1.5, 0}, {}, 0.5, 0.0),
                       Catch::Contains("tolerance"));
+}
+
+TEST_CASE("a table of reflectances has those of any index", "[rte][surface]") {
+    rte::SurfaceOptions options;
+    options.beckmann_alpha = GENERATE(0.05, 0.3, 0.8);
+    options.distribution = GENERATE(MicrofacetDistribution::beckmann, MicrofacetDistribution::ggx);
+    options.shadowing = GENERATE(Shadowing::v_cavity, Shadowing::smith_correlated);
+    const std::vector<double> mu{0.02, 0.2, 0.7, 1.0};
+    const rte::ReflectanceTable table(options, mu, 100);
+    for (const std::complex<double> index :
+         {std::complex(1.01, 0.0), std::complex(1.5, 0.0), std::complex(2.7, 1e-3),
+          std::complex(0.2, 3.4), std::complex(1.8, 8.3), std::complex(0.7, 0.0)}) {
+        const std::vector<double> found = table.at(index);
+        for (std::size_t k = 0; k < mu.size(); ++k) {
+            const double direct = rte::directional_reflectance(index, options, mu[k], 1e-9).value;
+            CAPTURE(options.beckmann_alpha, index, mu[k], found[k], direct);
+            CHECK(std::abs(found[k] - direct) <= 2e-6);
+        }
+    }
 }
