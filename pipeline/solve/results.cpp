@@ -5,6 +5,8 @@
 #include <miebrdf/error.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "pipeline/solve/polarisation.h"
 
@@ -51,6 +53,26 @@ const WavelengthReport& ResultReport::noisiest() const {
 
 double ResultReport::error_estimate() const { return worst().error_estimate; }
 
+namespace {
+
+/// Within a degree, along whose circles glories of large spheres lie.
+bool is_straight_back(const rte::SolverReport& solver) {
+    const auto deg = [](double mu) { return std::acos(mu) * 180.0 / std::numbers::pi; };
+    const double in = deg(solver.worst_mu_in), out = deg(solver.worst_mu_out);
+    // Along the normal all azimuths are one.
+    const double across = std::abs(solver.worst_azimuth_deg - 180.0) *
+                          std::sqrt((1.0 - solver.worst_mu_in) * (1.0 + solver.worst_mu_in));
+    return std::hypot(in - out, across) <= 1.0;
+}
+
+/// Nothing but what leaving polarisation out may change is beyond what was asked for.
+bool is_polarisation_alone(const WavelengthReport& report, double tolerance) {
+    return !report.converged && report.solver.converged && report.error_estimate <= tolerance &&
+           report.polarisation_left_out > std::max(tolerance, kPromisedWithoutPolarisation);
+}
+
+}  // namespace
+
 std::vector<std::string> ResultReport::shortfalls() const {
     std::vector<std::string> lines;
     for (const WavelengthReport& report : wavelengths) {
@@ -58,6 +80,14 @@ std::vector<std::string> ResultReport::shortfalls() const {
         std::string& line = lines.emplace_back(fmt::format(
             "{} nm: error estimate {:.2e}", report.wavelength_nm, report.error_estimate));
         const rte::SolverReport& solver = report.solver;
+        if (is_polarisation_alone(report, tolerance)) {
+            line += fmt::format(
+                ", but polarisation was left out, which may change values by up to {:.1g} of "
+                "themselves (estimate): stokes 3 has it computed, but below rough boundaries; "
+                "stokes 1 asks for light without it",
+                report.polarisation_left_out);
+            continue;
+        }
         if (!(solver.worst_mu_out > 0.0)) continue;  // an albedo
         const PhaseNoise& noise = report.phase_noise;
         if (solver.error_estimate + report.mie_error_estimate < 0.5 * report.error_estimate) {
@@ -82,6 +112,12 @@ std::vector<std::string> ResultReport::shortfalls() const {
             " at mu_in {}, mu_out {}, azimuth {}; {:.4g} % of the values are within the tolerance",
             solver.worst_mu_in, solver.worst_mu_out, solver.worst_azimuth_deg,
             100.0 * solver.share_within_tolerance);
+        if (is_straight_back(solver)) {
+            line +=
+                " (straight back towards the light; glories of large spheres there are narrower "
+                "than nodes resolve, and more of them hardly help: directions a degree away are "
+                "better)";
+        }
     }
     return lines;
 }

@@ -39,8 +39,8 @@ ForwardPeak from_degree(const ForwardPeak& whole, int degree) {
 
 }  // namespace
 
-std::vector<bool> near_retro_reflection(const Directions& directions) {
-    const double nearest = -cos_of_degrees(5.0);
+std::vector<bool> near_retro_reflection(const Directions& directions, double within_deg) {
+    const double nearest = -cos_of_degrees(within_deg);
     const std::vector<double> cos_azimuth = cosines_of(directions.azimuth_deg);
     std::vector<bool> backwards;
     backwards.reserve(directions.mu_in.size() * directions.mu_out.size() * cos_azimuth.size());

@@ -9,9 +9,9 @@
 
 namespace miebrdf::rte {
 
-/// Whether light comes back within 5 degrees of where it came from.
+/// Whether light comes back within so many degrees of where it came from.
 /// Order: [(in * mu_out.size() + out) * azimuth_deg.size() + azimuth]
-std::vector<bool> near_retro_reflection(const Directions& directions);
+std::vector<bool> near_retro_reflection(const Directions& directions, double within_deg);
 
 /// Adds what is scattered once to reflection functions or Mueller matrices: exactly, or as the
 /// discrete equations see it, by SolverOptions::single_scattering_correction. Of a rough boundary

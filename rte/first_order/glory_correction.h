@@ -85,6 +85,12 @@ class GloryStrengths {
     std::vector<Medium> media_;          ///< from the top down
 };
 
+/// How much of R straight back towards the light, along the cosine mu in the media, is a glory of
+/// light scattered once, seen through the forward peaks, times the share of its degrees that the
+/// nodes do not resolve.
+/// @param media  as split_by_resolution leaves them
+double unresolved_glory(const std::vector<ScaledMedium>& media, double mu);
+
 /// The first order must change because light is diffracted before and after it is scattered, by
 /// C(q, Theta) / (4 (mu_in + mu_out)),
 /// C = sum over media, sum_{l >= K} (2l+1) N_l P_l(cos Theta)

@@ -194,4 +194,30 @@ Eigen::VectorXd GloryStrengths::of_unresolved(double q) const {
     return strengths;
 }
 
+double unresolved_glory(const std::vector<ScaledMedium>& media, double mu) {
+    const Eigen::VectorXd strengths =
+        GloryStrengths(media, {}, NarrowSum::features).of_all(2.0 / mu);
+    // What nodes resolve in part elsewhere they do not resolve at all at the zenith.
+    const bool at_zenith = mu >= std::cos(5.0 * std::numbers::pi / 180.0);
+    const auto angle =
+        std::size_t(std::lround(std::acos(mu) * (2.0 / std::numbers::pi) * (kResolvedAngles - 1)));
+    // Shares are of the nodes: any medium that lists a degree tells.
+    const auto share_of = [&](Eigen::Index l) {
+        const std::size_t at = std::size_t(l) * kResolvedAngles + angle;
+        for (const ScaledMedium& medium : media) {
+            if (at >= medium.unresolved_shares.size()) continue;
+            const double share = medium.unresolved_shares[at];
+            return at_zenith && share > 0.0 ? 1.0 : share;
+        }
+        return 1.0;
+    };
+    double glory = 0.0, all = 0.0, unresolved = 0.0;
+    for (Eigen::Index l = 0; l < strengths.size(); ++l) {
+        glory += l % 2 == 0 ? strengths[l] : -strengths[l];
+        all += std::abs(strengths[l]);
+        unresolved += share_of(l) * std::abs(strengths[l]);
+    }
+    return all > 0.0 ? std::abs(glory) * (unresolved / all) / (8.0 * mu) : 0.0;
+}
+
 }  // namespace miebrdf::rte

@@ -9,7 +9,9 @@
 
 #include <miebrdf/error.h>
 #include "rte/first_order/first_order_sum.h"
+#include "rte/first_order/glory_correction.h"
 #include "rte/grid/discretisation.h"
+#include "rte/grid/refraction_grid.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
 #include "rte/stack/requests.h"
@@ -53,6 +55,25 @@ void add_at_zenith(const Directions& directions, double factor, std::vector<doub
             }
         }
     }
+}
+
+/// Values within this of retro-reflection are judged by all differences of solutions.
+constexpr double kNearRetroDeg = 5.0;
+/// Straight back is within this of retro-reflection: the widths of glories and beyond.
+constexpr double kStraightBackDeg = 1.0;
+/// What nodes do not resolve of a glory straight back (unresolved_glory) may err by this share of
+/// itself, however well two solutions agree. The rms difference from solutions with 256 nodes, of
+/// solutions with 12, 24 and 48 (tools/bench/retro_reflection.py has such spheres): at the zenith
+/// of 92 half-spaces of spheres of 10 to 50 um, bare and coated, whose glory is a tenth of R or
+/// more (docs/internals/numerics-log.md); elsewhere of 22 of 2 to 12 um.
+constexpr double kGloryDoubtAtZenith = 0.03, kGloryDoubt = 0.016;
+
+double doubt_of_glory(const ScaledStack& stack, double mu_air) {
+    const double mu = refracted_cosine(stack.top_index, mu_air);
+    const bool at_zenith = mu >= std::cos(kNearRetroDeg * std::numbers::pi / 180.0);
+    return (at_zenith ? kGloryDoubtAtZenith : kGloryDoubt) *
+           straight_paths_factor(stack.top_index, mu_air, mu_air) *
+           unresolved_glory(stack.media, mu);
 }
 
 struct Request {
@@ -113,6 +134,41 @@ void name_worst_direction(const Directions& directions, std::size_t elements,
     report.worst_value = (pair * azimuths + azimuth) * elements + element;
 }
 
+// States what glories may err by straight back. No further nodes are asked for: those in reach do
+// not lower it.
+void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack, double tolerance,
+                          ReflectionTable& table) {
+    const bool has_glory =
+        std::any_of(stack.media.begin(), stack.media.end(),
+                    [](const ScaledMedium& medium) { return !medium.unresolved_shares.empty(); });
+    if (!has_glory || stack.has_mirrors()) return;
+    const std::vector<bool> back = near_retro_reflection(directions, kStraightBackDeg);
+    const auto elements = std::size_t(table.components * table.components);
+    const std::size_t azimuths = directions.azimuth_deg.size();
+    const std::size_t block = directions.mu_out.size() * azimuths;
+    SolverReport& report = table.report;
+    for (std::size_t first = 0; first < back.size(); first += block) {
+        double brightest = 0.0;
+        for (std::size_t k = first; k < first + block; ++k)
+            brightest = std::max(brightest, table.reflection[k * elements]);
+        std::optional<double> doubt;
+        for (std::size_t k = first; k < first + block; ++k) {
+            if (!back[k] || !(brightest > 0.0)) continue;
+            if (!doubt) doubt = doubt_of_glory(stack, directions.mu_in[first / block]) / brightest;
+            if (!table.errors.empty()) table.errors[k] = std::max(table.errors[k], *doubt);
+            if (!(*doubt > report.error_estimate)) continue;
+            report.error_estimate = *doubt;
+            report.worst_value = k / azimuths * azimuths * elements + k % azimuths;
+            name_worst_direction(directions, elements, report);
+        }
+    }
+    report.converged = has_converged(report.error_estimate, tolerance, report.converged);
+    if (report.converged || table.errors.empty()) return;
+    const auto within = std::count_if(table.errors.begin(), table.errors.end(),
+                                      [&](double error) { return error <= tolerance; });
+    report.share_within_tolerance = double(within) / double(table.errors.size());
+}
+
 ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
                               const SolvedLight& light, const SolverOptions& options,
                               SolutionMemory* memory, const RefinementCallback& refined) {
@@ -128,10 +184,11 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     FirstOrderSum first_order(judged, options, light.components, light.shown());
     const Request request{stack, judged, requested, light, options};
     Solutions solutions;
-    const JudgedValues values{
-        .count = judged.mu_in.size() * block,
-        .block = block,
-        .near_backwards = elements == 1 ? near_retro_reflection(judged) : std::vector<bool>()};
+    const JudgedValues values{.count = judged.mu_in.size() * block,
+                              .block = block,
+                              .near_backwards = elements == 1
+                                                    ? near_retro_reflection(judged, kNearRetroDeg)
+                                                    : std::vector<bool>()};
     Solution& solution = solve_with_estimate(
         stack, options, values,
         [&](const Discretisation& discretisation, Solution& one) {
@@ -160,6 +217,10 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     if (elements == 1) table.errors = probes.largest_nearby(solution.errors);
     table.steps_converged = solution.steps_converged;
     table.report = std::move(solution.report);
+    if (solution.physical) {
+        const ScaledStack& scaled = kept.with_streams(table.report.streams).scaled;
+        add_doubt_of_glories(directions, scaled, options.tolerance, table);
+    }
     find_mirror_reflectances(stack, directions.mu_in, light, kept.exact, table.mirror_reflectance);
     return table;
 }

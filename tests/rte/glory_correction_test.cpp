@@ -106,6 +106,17 @@ TEST_CASE("light that nodes resolve in part is as bright at retro-reflection as 
     CHECK(std::abs(with - truth) <= 0.2 * std::abs(without - truth));
 }
 
+TEST_CASE("the estimate straight back covers a glory that nodes do not resolve", "[rte][narrow]") {
+    const auto at = [](const rte::Optics& optics, int streams) {
+        return rte::reflect({.base = optics}, {{1.0}, {1.0}, {180.0}},
+                            {.tolerance = 1e-4, .streams = streams});
+    };
+    const rte::ReflectionTable few = at(glory_optics(0.95), 12), many = at(glory_optics(0.95), 96);
+    CAPTURE(few.reflection[0], many.reflection[0], few.errors[0]);
+    CHECK(std::abs(few.reflection[0] - many.reflection[0]) <= few.errors[0] * few.reflection[0]);
+    CHECK(!few.report.converged);
+}
+
 TEST_CASE("sums of Fourier orders look beyond a gap for the orders of a glory", "[rte][narrow]") {
     const auto last_order = [](const rte::Optics& optics, double hump) {
         rte::ScaledStack scaled =
