@@ -11,6 +11,8 @@
 #include "materials/database/layer.h"
 #include "materials/database/names.h"
 #include "materials/database/schema.h"
+#include "materials/index/mixing_rules.h"
+#include "materials/index/oscillators.h"
 
 namespace miebrdf::materials {
 namespace {
@@ -139,6 +141,15 @@ static std::string advice_for(const std::string& name) {
 void Database::throw_unknown(const std::string& name) const {
     std::vector<std::string> nearest = nearest_names(name, all_names());
     std::string message = fmt::format("no material is named '{}'", name);
+    if (name.ends_with(')')) {  // a mixture or a model of its own
+        std::vector<std::string> all;
+        for (const MixingRule& rule : mixing_rules()) all.emplace_back(rule.name);
+        for (const OscillatorKind& kind : oscillator_kinds()) all.emplace_back(kind.name);
+        throw UnknownMaterial(
+            fmt::format("{}; computed ones are {}, oscillators, formula and temperature", message,
+                        fmt::join(all, ", ")),
+            name, {});
+    }
     const std::string advice = advice_for(name);
     if (!advice.empty()) throw UnknownMaterial(message + "; " + advice, name, {});
     message += nearest.empty()

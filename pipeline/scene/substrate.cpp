@@ -62,11 +62,13 @@ Substrate substrate(const std::string& text) {
     if (std::filesystem::exists(value)) return read_ground_file(value);
     Substrate ground{.kind = Substrate::Kind::lambertian};
     try {
-        ground.albedo = {parse_number(value, "albedo")};
+        ground.albedo = {value.ends_with('%')
+                             ? parse_number(value.substr(0, value.size() - 1), "albedo") / 100.0
+                             : parse_number(value, "albedo")};
     } catch (const UsageError&) {
         throw UsageError(fmt::format(
-            "substrate '{}': '{}' is neither an albedo in [0, 1] nor a file that exists", text,
-            value));
+            "substrate '{}': '{}' is neither an albedo in [0, 1] (or 80%) nor a file that exists",
+            text, value));
     }
     check_albedo(ground.albedo.front(), "");
     return ground;

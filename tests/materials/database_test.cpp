@@ -111,6 +111,8 @@ TEST_CASE("an unknown name is an error with the nearest ones", "[materials][name
         CHECK_THAT(error.what(), Catch::Contains("TiO3") && Catch::Contains("did you mean"));
     }
     CHECK_THROWS_AS(database.refractive_index("unobtainium"), UnknownMaterial);
+    CHECK_THROWS_WITH(database.refractive_index("sellmeier(1,2)"),
+                      Catch::Contains("bruggeman") && Catch::Contains("drude"));
     CHECK_THROWS_AS(database.info(""), UnknownMaterial);
     CHECK_THROWS_AS(database.dataset("GaP/nobody"), UnknownMaterial);
     CHECK_THROWS_WITH(database.dataset("GaP/nobody"), Catch::Contains("GaP/SOPRA-GAP"));

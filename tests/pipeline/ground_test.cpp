@@ -53,6 +53,7 @@ TEST_CASE("a white ground under nothing that matters is the ground", "[pipeline]
 }
 
 TEST_CASE("grounds that cannot be are refused", "[pipeline][ground][errors]") {
+    CHECK(substrate("lambert:80%").albedo == std::vector<double>{0.8});
     CHECK_THROWS_WITH(substrate("lambert:1.2"), Catch::Contains("1.2"));
     CHECK_THROWS_WITH(substrate("lambert:soil.csv"), Catch::Contains("soil.csv"));
     CHECK_THROWS_WITH(substrate("grass"), Catch::Contains("black") && Catch::Contains("is a base"));
