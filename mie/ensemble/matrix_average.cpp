@@ -206,7 +206,15 @@ double matrix_seconds(const EnsembleRequest& request) {
     const Ensemble ensemble = ensemble_of(request);
     const int terms = ensemble.terms();
     const SizePasses passes(ensemble);
-    const double sizes = (passes.rule() == Rule::single ? 1.0 : 2.0) * passes.sizes_so_far();
+    const bool is_single = passes.rule() == Rule::single;
+    double sizes = (is_single ? 1.0 : 2.0) * passes.sizes_so_far();
+    // Resonances of large spheres are met by chance: as many more sizes are taken as the tolerance
+    // is smaller than what the first ones reach. Measured for size parameters of 100 to 570 at 2e-4
+    // to 2e-3: .7 to 2.8 times this for clear spheres, .15 to .5 times for opaque ones.
+    constexpr int fewest_terms = 60;
+    constexpr double tolerance_of_first_sizes = 1e-2;
+    if (!is_single && terms > fewest_terms)
+        sizes *= std::max(1.0, tolerance_of_first_sizes / request.tolerance);
     int degree = all_degrees(terms);
     if (request.highest_moment >= 0) degree = std::min(degree, request.highest_moment);
     return products(terms, node_count(terms, degree), sizes) / AverageLimits::kProductsPerSecond;

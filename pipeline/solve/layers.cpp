@@ -195,14 +195,13 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         tolerance, optics.mie_error_estimate + (has_noise ? kPhaseShare * tolerance : 0.0));
     LayerSlice slice;
     slice.report.optical_depths = optics.optical_depths;
-    slice.report.polarisation_left_out = light.left_out;
-    slice.report.stokes = light.components;
     const double with_transfer =
         is_reflection(request.quantity)
             ? solve_reflection(request, optics, w, demand, light.components, solver, run, memory,
                                slice)
             : solve_albedos(request, optics, w, light.components, solver, memory, slice);
     judge(slice.report, with_transfer, optics.mie_error_estimate, tolerance);
+    state_light(light, slice.report);
     refuse_lost_values(slice);
     return slice;
 }

@@ -39,11 +39,15 @@ constexpr int kStreamsOfComparison = 12;
 constexpr std::size_t kMostCosinesCompared = 8, kMostAzimuthsCompared = 7;
 constexpr double kMargin = 1.5;
 
-/// Changes vary slowly with the wavelength: stand-ins are looked at at so many, and those between
-/// have the larger change of their neighbours.
-constexpr std::size_t kMostWavelengthsCompared = 8;
+/// Changes vary slowly with the wavelength: stand-ins are looked at at the ends and the middle of
+/// those that a request has, and those between have the larger change of their neighbours.
+constexpr std::size_t kMostWavelengthsCompared = 3;
 /// Of the size average of stand-ins.
 constexpr double kStandInTolerance = 1e-2;
+
+/// What the scattering matrices of large spheres may take at a wavelength where stand-ins tell that
+/// polarisation shows. Solving for numbers takes .01 to .1 s.
+constexpr double kBearableSeconds = 0.5;
 
 bool polarises(const ResolvedSpecies& species, std::size_t w) {
     if (species.needs_mie()) return !has_smooth_phase(species.species);
@@ -198,6 +202,12 @@ std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions&
     return why;
 }
 
+void state_light(const LightChoice& light, WavelengthReport& report) {
+    report.stokes = light.components;
+    report.polarisation_left_out = light.left_out;
+    report.converged = report.converged && !light.is_beyond_promise;
+}
+
 LightChoice choose_light(const LayerRequest& request, std::size_t w) {
     const int asked = request.solver.stokes;
     if (asked == 1) return {.reason = "one component was asked for"};
@@ -253,26 +263,28 @@ class StandIns {
              const Control& control)
         : request_(request), hiding_(hiding), demand_(std::move(demand)), control_(control) {}
 
-    /// Of the wavelengths whose light needs them.
+    /// Of the wavelengths whose light needs them. Which ones are looked at depends on the scene
+    /// alone, not on what of it is known already.
     void choose(const std::vector<std::size_t>& wavelengths, std::vector<LitScene>& all) const {
-        std::vector<std::size_t> places;
+        const auto needs = [](const LitScene& lit) { return lit.light.needs_stand_ins; };
+        if (std::none_of(all.begin(), all.end(), needs)) return;
+        std::vector<std::size_t> needing;
+        for (std::size_t w = 0; w < request_.scene.wavelength_nm.size(); ++w) {
+            if (choose_light(request_, w).needs_stand_ins) needing.push_back(w);
+        }
+        const std::size_t steps = std::min(needing.size(), kMostWavelengthsCompared) - 1;
+        std::vector<std::size_t> looked_at;
+        for (std::size_t k = 0; k <= steps; ++k)
+            looked_at.push_back(needing[steps == 0 ? 0 : k * (needing.size() - 1) / steps]);
+        const std::vector<double> changes = changes_at(looked_at);
         for (std::size_t i = 0; i < all.size(); ++i) {
-            if (all[i].light.needs_stand_ins) places.push_back(i);
-        }
-        if (places.empty()) return;
-        const std::size_t steps = std::min(places.size(), kMostWavelengthsCompared) - 1;
-        std::vector<std::size_t> looked_at, some;
-        for (std::size_t k = 0; k <= steps; ++k) {
-            looked_at.push_back(steps == 0 ? 0 : k * (places.size() - 1) / steps);
-            some.push_back(wavelengths[places[looked_at.back()]]);
-        }
-        const std::vector<double> changes = changes_at(some);
-        for (std::size_t i = 0, k = 0; i < places.size(); ++i) {
-            if (k < steps && i > looked_at[k + 1]) ++k;
-            const bool is_between = i > looked_at[k] && k < steps;
-            const double change = is_between ? std::max(changes[k], changes[k + 1]) : changes[k];
-            LightChoice& light = all[places[i]].light;
-            light = chosen(light, change);
+            if (!needs(all[i])) continue;
+            const std::size_t w = wavelengths[i];
+            const auto next = std::lower_bound(looked_at.begin(), looked_at.end(), w);
+            const auto k = std::size_t(next - looked_at.begin());
+            const double change =
+                *next == w || k == 0 ? changes[k] : std::max(changes[k - 1], changes[k]);
+            all[i].light = chosen(all[i].light, w, change);
         }
     }
 
@@ -290,25 +302,42 @@ class StandIns {
         return changes;
     }
 
-    LightChoice chosen(const LightChoice& unknown, double change) const {
+    double own_matrices_seconds(std::size_t w) const {
+        OpticsDemand own = demand_;
+        own.polarisation = true;
+        const ResolvedScene& scene = request_.scene;
+        double seconds = 0.0;
+        for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
+            for (const ResolvedSpecies& species : scene.media[m].species) {
+                if (species.needs_mie() && polarises(species, w))
+                    seconds += matrix_seconds(species, w, own);
+            }
+        }
+        return seconds;
+    }
+
+    LightChoice chosen(const LightChoice& unknown, std::size_t w, double change) const {
+        LightChoice light{.left_out = change};
+        light.is_beyond_promise =
+            change > std::max(request_.solver.tolerance, kPromisedWithoutPolarisation);
         if (has_rough_boundary(request_.scene)) {
-            return {.left_out = change,
-                    .reason = fmt::format("{}; below a smooth one values would change by up to "
-                                          "{:.1g}",
-                                          unknown.reason, change)};
+            light.reason = fmt::format("{}; below a smooth one values would change by up to {:.1g}",
+                                       unknown.reason, change);
+        } else if (change <= unknown.allowed) {
+            light.reason = fmt::format(
+                "values change by less than {:.1g} without it, as smaller spheres tell", change);
+        } else if (own_matrices_seconds(w) <= kBearableSeconds) {
+            return {.components = 3,
+                    .reason = fmt::format(
+                        "without it values would change by up to {:.1g}, as smaller spheres tell",
+                        change)};
+        } else {
+            light.reason = fmt::format(
+                "without it values would change by up to {:.1g}, as smaller spheres tell; "
+                "scattering matrices of large ones take long (stokes 3 has them computed)",
+                change);
         }
-        if (change <= unknown.allowed) {
-            return {
-                .left_out = change,
-                .reason = fmt::format("values change by less than {:.1g} without it, as smaller "
-                                      "spheres tell",
-                                      change)};
-        }
-        return {.left_out = change,
-                .reason = fmt::format("without it values would change by up to {:.1g}, as smaller "
-                                      "spheres tell; scattering matrices of large ones take long "
-                                      "(stokes 3 has them computed)",
-                                      change)};
+        return light;
     }
 
     const LayerRequest& request_;

@@ -1,6 +1,7 @@
 // Whether the polarisation of light matters to a request: what the solver asks, and `plan`.
 #pragma once
 
+#include <miebrdf/brdf.h>
 #include <miebrdf/optics.h>
 #include <miebrdf/solver.h>
 
@@ -14,8 +15,8 @@
 namespace miebrdf {
 
 /// The promise of `auto` where spheres are coarse: their polarisation changes no value by more,
-/// relative. Finer ones are held to the tolerance. What keeps no promise says so
-/// (ResultReport::polarisation).
+/// relative. Finer ones are held to the tolerance. What is beyond both says so
+/// (ResultReport::polarisation) and is not converged.
 inline constexpr double kPromisedWithoutPolarisation = 6e-3;
 
 /// How light is computed at one wavelength.
@@ -30,6 +31,8 @@ struct LightChoice {
     /// Likewise, but by matrices of smaller spheres and below a smooth boundary: what their own
     /// matrices would cost, or nothing else can compute.
     bool needs_stand_ins = false;
+    /// A comparison tells that what is left out is more than is promised: values are not converged.
+    bool is_beyond_promise = false;
 };
 
 /// Empty, or why light of several components cannot be computed: "a boundary ...".
@@ -59,6 +62,9 @@ std::vector<LitScene> light_and_optics(const LayerRequest& request,
                                        const std::vector<std::size_t>& wavelengths,
                                        double hiding_tolerance, OpticsDemand demand,
                                        const Control& control);
+
+/// Writes what was chosen into a report that has been judged.
+void state_light(const LightChoice& light, WavelengthReport& report);
 
 /// Bound on what leaving polarisation out changes of R11: in proportion to albedo times the mean of
 /// b1^2 over the sphere, the largest of the media (docs/polarisation.md#how-auto-decides). Without

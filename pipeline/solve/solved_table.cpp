@@ -81,7 +81,7 @@ SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
         // Nothing of the layers is wanted.
     } else {
         solve(optics, solver, light.components, whole_matrix, memory);
-        report_.polarisation_left_out = light.left_out;
+        state_light(light, report_);
     }
     report_.wavelength_nm = scene.wavelength_nm[w];
     if (scene.surface && part != BrdfPart::subsurface) {
@@ -98,7 +98,6 @@ SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
 void SolvedWavelength::solve(const SceneOptics& optics, const SolverOptions& solver, int components,
                              bool whole_matrix, rte::SolutionMemory& memory) {
     const rte::Stack& stack = optics.stack;
-    report_.stokes = components;
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary) return;
     SolverOptions options = solver;
     options.tolerance = tolerance_for_transfer(solver.tolerance, optics.mie_error_estimate);

@@ -211,10 +211,23 @@ TEST_CASE("auto computes polarisation where it shows, and only there",
     CHECK(coarse.stokes == 1);
     CHECK(coarse.polarisation_left_out > 6e-3);
     CHECK(coarse.polarisation_left_out <= 0.05);
+    CHECK_FALSE(coarse.converged);
     const WavelengthReport clear = report("index:1.5,0,radius=100", 1e-2);
     CHECK(clear.stokes == 1);
     CHECK(clear.polarisation_left_out > 0.0);
     CHECK(clear.polarisation_left_out <= 1e-2);
+    CHECK(clear.solver.converged == clear.converged);
+    // Where those matrices are cheap they are computed.
+    const Directions grazing = {{0.45}, {0.2, 0.8}, {0, 90, 180}};
+    const auto metal = [&](int stokes) {
+        return solve(scene_of("index:1.8,0.08,radius=14.5,variance=0.07"), {550},
+                     {.tolerance = 1e-2, .stokes = stokes})
+            .evaluate(grazing);
+    };
+    const BrdfValues chosen = metal(0), polarised = metal(3), numbers = metal(1);
+    CHECK(chosen.wavelengths[0].stokes == 3);
+    CHECK(chosen.slices[0].total == polarised.slices[0].total);
+    CHECK(std::abs(chosen.at(0, 0, 0, 0) / numbers.at(0, 0, 0, 0) - 1) > 1e-3);
     // Two surfaces, of which one sees what the other polarised, and none of the particles do.
     Scene film = scene_of("isotropic:1", {"hg:0.5,0 in index:1.5@1e-12"});
     film.substrate = substrate("none");
@@ -369,7 +382,8 @@ TEST_CASE("auto tells what it leaves out below a rough boundary as below a smoot
     scene.substrate = substrate("black");
     scene.boundary = rte::Boundary{.roughness = 0.2};
     const Directions directions{{0.3}, {0.2, 0.6}, {0, 90, 180}};
-    const auto rough = solve(scene, {550}, {.stokes = 0}).evaluate(directions).wavelengths[0];
+    const BrdfValues found = solve(scene, {550}, {.stokes = 0}).evaluate(directions);
+    const WavelengthReport& rough = found.wavelengths[0];
     scene.boundary = rte::Boundary{};
     const auto light = [&](int stokes) {
         return solve(scene, {550}, {.stokes = stokes}).evaluate(directions).slices[0].total;
@@ -379,6 +393,9 @@ TEST_CASE("auto tells what it leaves out below a rough boundary as below a smoot
     for (std::size_t k = 0; k < vectors.size(); ++k)
         change = std::max(change, std::abs(numbers[k] / vectors[k] - 1));
     CHECK(rough.stokes == 1);
+    CHECK_FALSE(rough.converged);
+    CHECK_THAT(found.shortfall(),
+               Catch::Contains("polarisation was left out") && Catch::Contains("stokes 1"));
     CHECK(change >= 6e-3);
     // With its margin of 1.5, and what few nodes miss.
     CHECK(rough.polarisation_left_out >= change);
