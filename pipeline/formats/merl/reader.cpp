@@ -9,6 +9,7 @@
 #include <miebrdf/brdf_source.h>
 #include <miebrdf/formats.h>
 #include "pipeline/formats/common/byte_reader.h"
+#include "pipeline/solve/vector_pairs.h"
 
 namespace miebrdf {
 namespace {
@@ -24,22 +25,17 @@ struct HalfDifference {
 };
 
 HalfDifference half_difference(const Direction& d) {
-    const double sin_in = std::sqrt((1 - d.mu_in) * (1 + d.mu_in));
-    const double sin_out = std::sqrt((1 - d.mu_out) * (1 + d.mu_out));
-    const double azimuth = d.azimuth_deg * pi / 180;
-    // Incident vector in the x-z plane; azimuth 0 is opposite to it.
-    const double out_x = -sin_out * std::cos(azimuth), out_y = sin_out * std::sin(azimuth);
-    double hx = sin_in + out_x, hy = out_y, hz = d.mu_in + d.mu_out;
-    const double length = std::sqrt(hx * hx + hy * hy + hz * hz);
-    hx /= length, hy /= length, hz /= length;
-    const double sin_h = std::hypot(hx, hy);
-    const double cos_p = sin_h > 0 ? hx / sin_h : 1.0, sin_p = sin_h > 0 ? hy / sin_h : 0.0;
+    const VectorPair pair = vectors_of(d);
+    const Eigen::Vector3d half = (pair.in + pair.out).normalized();
+    const double sin_h = std::hypot(half.x(), half.y()), cos_h = half.z();
+    const double cos_p = sin_h > 0 ? half.x() / sin_h : 1.0;
+    const double sin_p = sin_h > 0 ? half.y() / sin_h : 0.0;
     // Turn by -phi_h about the normal, then by -theta_h about y: the half vector becomes the pole.
-    const double x = sin_in * cos_p, y = -sin_in * sin_p, z = d.mu_in;
-    const double dx = hz * x - sin_h * z, dz = sin_h * x + hz * z;
+    const double x = pair.in.x() * cos_p, y = -pair.in.x() * sin_p, z = pair.in.z();
+    const double dx = cos_h * x - sin_h * z, dz = sin_h * x + cos_h * z;
     double phi = std::atan2(y, dx);
     if (phi < 0) phi += pi;
-    return {std::atan2(sin_h, hz), std::atan2(std::hypot(dx, y), dz), phi};
+    return {std::atan2(sin_h, cos_h), std::atan2(std::hypot(dx, y), dz), phi};
 }
 
 class MerlFile : public BrdfFile {

@@ -11,6 +11,7 @@
 #include <miebrdf/brdf_source.h>
 #include <miebrdf/formats.h>
 #include "pipeline/formats/common/tensor_reader.h"
+#include "pipeline/solve/vector_pairs.h"
 
 namespace miebrdf {
 namespace {
@@ -76,11 +77,9 @@ struct Rays {
     Eigen::Vector3d light, eye;
 
     explicit Rays(const Direction& d) {
-        const double sin_in = std::sqrt((1 - d.mu_in) * (1 + d.mu_in));
-        const double sin_out = std::sqrt((1 - d.mu_out) * (1 + d.mu_out));
-        const double azimuth = d.azimuth_deg * pi / 180;
-        light = {-sin_in, 0.0, d.mu_in};
-        eye = {sin_out * std::cos(azimuth), sin_out * std::sin(azimuth), d.mu_out};
+        const auto [in, out] = vectors_of(d);
+        light = {-in.x(), 0.0, in.z()};
+        eye = {-out.x(), out.y(), out.z()};
     }
 };
 

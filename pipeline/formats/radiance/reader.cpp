@@ -10,6 +10,7 @@
 
 #include <miebrdf/brdf_source.h>
 #include <miebrdf/formats.h>
+#include "pipeline/solve/vector_pairs.h"
 
 namespace miebrdf {
 namespace {
@@ -213,12 +214,10 @@ class TreeFile : public RadianceFile {
                         static_cast<std::size_t>(std::max(x, 0.0) * static_cast<double>(side_)));
     }
     std::size_t cell_of(const Direction& d) const override {
-        const double sin_in = std::sqrt((1 - d.mu_in) * (1 + d.mu_in)),
-                     sin_out = std::sqrt((1 - d.mu_out) * (1 + d.mu_out));
-        const auto [x, y] = disk_to_square(sin_out * std::cos(d.azimuth_deg * pi / 180),
-                                           sin_out * std::sin(d.azimuth_deg * pi / 180));
+        const auto [in, out] = vectors_of(d);
+        const auto [x, y] = disk_to_square(-out.x(), out.y());
         // Normal incidence belongs to the last cell in use, as in Radiance.
-        return (index(0.5 - 1e-6 - 0.5 * sin_in) * side_ + index(x)) * side_ + index(y);
+        return (index(0.5 - 1e-6 - 0.5 * in.x()) * side_ + index(x)) * side_ + index(y);
     }
     /// When it loads a coloured tree, Radiance takes its least colour for a diffuse part. What is
     /// left of an isotropic tree then has no chromaticity any more (bsdf_t.c, subtract_min_RGB).

@@ -85,11 +85,9 @@ class TreePlane {
   private:
     bool near_peaks(std::size_t cell) const {
         const Direction d = at(cell, {0.5, 0.5, 0.5});
-        const double sin_in = std::sqrt((1 - d.mu_in) * (1 + d.mu_in));
-        const double sin_out = std::sqrt((1 - d.mu_out) * (1 + d.mu_out));
-        const double x = std::abs(sin_out * std::cos(d.azimuth_deg * kDegree));
-        const double y = sin_out * std::sin(d.azimuth_deg * kDegree);
-        return std::hypot(x - sin_in, y) < 4.0 / double(n_);  // a cell is about 2 / n wide
+        const auto [in, out] = vectors_of(d);
+        // A cell is about 2 / n wide.
+        return std::hypot(std::abs(out.x()) - in.x(), out.y()) < 4.0 / double(n_);
     }
 
     std::size_t n_, incidence_;
