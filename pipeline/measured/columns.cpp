@@ -29,7 +29,9 @@ constexpr std::pair<std::string_view, Role> kRoles[] = {
     {"vza", Role::theta_out},      {"saa", Role::phi_in},
     {"vaa", Role::phi_out},        {"raa", Role::phi},
     {"dphi", Role::phi},           {"aoi", Role::theta_in},
-    {"incidence", Role::theta_in}, {"emission", Role::theta_out},
+    {"aos", Role::theta_out},      {"inc", Role::theta_in},
+    {"emi", Role::theta_out},      {"incidence", Role::theta_in},
+    {"emission", Role::theta_out},
 };
 
 template <std::size_t N>
@@ -127,14 +129,10 @@ constexpr std::pair<std::string_view, MeasuredKind> kValues[] = {
 /// "Wellenlänge [nm]" -> "wavelength [nm]", whatever its encoding; "Reflexionsgrad" likewise.
 std::string in_english(std::string_view name) {
     static constexpr std::pair<std::string_view, std::string_view> kWords[] = {
-        {"wellenl", "wavelength"},
-        {"longueur d", "wavelength"},
-        {"longitud de onda", "wavelength"},
-        {"lunghezza d", "wavelength"},
-        {"reflexion", "reflectance"},
-        {"reflectancia", "reflectance"},
-        {"riflettanza", "reflectance"},
-        {"transmissionsgrad", "transmittance"}};
+        {"wellenl", "wavelength"},          {"longueur d", "wavelength"},
+        {"longitud de onda", "wavelength"}, {"lunghezza d", "wavelength"},
+        {"reflexion", "reflectance"},       {"reflectancia", "reflectance"},
+        {"riflettanza", "reflectance"},     {"transmissionsgrad", "transmittance"}};
     const std::string text = materials::lower_case(name);
     for (const auto& [word, english] : kWords) {
         if (!text.starts_with(word)) continue;
@@ -173,6 +171,11 @@ ColumnRole column_role(std::string_view given) {
     }
     if (text == "azimuth_deg") return {Role::azimuth_deg};
     std::optional<Role> role = direction_role(bare);
+    if (bare.starts_with("cos_")) {  // "cos_theta_i"
+        const auto of = direction_role(bare.substr(4));
+        if (of == Role::theta_in) role = Role::mu_in;
+        if (of == Role::theta_out) role = Role::mu_out;
+    }
     for (const auto& [known, of_known] : kRoles) {
         if (known == bare) role = of_known;
     }

@@ -86,6 +86,10 @@ TEST_CASE("directions go by the names of laboratories and of remote sensing",
         CHECK(theta_of(list.values[0].mu_out) == Approx(40));
         CHECK(list.values[0].quantity == MeasuredQuantity::brdf);
     }
+    const Measurements cosines =
+        read_text("cos_theta_i,cos_theta_r,azimuth_deg,nm,brdf\n0.5,0.25,90,550,0.3\n");
+    CHECK(cosines.values[0].mu_in == 0.5);
+    CHECK(cosines.values[0].mu_out == 0.25);
     // Rusinkiewicz's angles, and the angle between two directions, are others.
     for (const std::string names : {"theta_h,theta_d", "theta_i,scattering_angle"}) {
         CAPTURE(names);
