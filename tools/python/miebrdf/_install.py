@@ -38,14 +38,14 @@ def check() -> None:
         raise ImportError(
             f"the compiled part of miebrdf cannot be loaded: {error}; "
             "a library that it was built with is missing or has another version: install it, or "
-            "build miebrdf again on this machine (`pip install --no-build-isolation .`)"
+            "build miebrdf again on this machine (`pip install .`)"
         ) from error
     try:
         from ._version import __version__
     except ImportError:
         raise ImportError(
             f"{_FOLDER} is the source of miebrdf, not an installation; "
-            "install it (`pip install --no-build-isolation .` in the folder of pyproject.toml) or "
+            "install it (`pip install .` in the folder of pyproject.toml) or "
             "put BUILD-FOLDER/tools/python/package into PYTHONPATH"
         ) from None
     if _core.version != __version__:
@@ -103,10 +103,10 @@ def _missing_module() -> str:
         return (
             f"miebrdf was built for another Python: {_FOLDER} has {', '.join(others)}, and this is "
             f"{here}; use that Python, or build for this one "
-            "(`pip install --no-build-isolation .`)"
+            "(`pip install .`)"
         )
     return (
         f"{_FOLDER} has no compiled module: this is the source of miebrdf, not an installation; "
-        "install it (`pip install --no-build-isolation .` in the folder of pyproject.toml) or put "
+        "install it (`pip install .` in the folder of pyproject.toml) or put "
         "BUILD-FOLDER/tools/python/package into PYTHONPATH"
     )
