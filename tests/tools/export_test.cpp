@@ -228,13 +228,21 @@ TEST_CASE("check says which coupling is reciprocal where a file is not", "[progr
 TEST_CASE("grazing directions of a table that miss are a warning, requested values that miss are 4",
           "[program][export]") {
     const support::TemporaryFolder folder;
+    const auto table_of = [&](const std::string& words) {
+        return support::run_program("export --format npz" + words + "-o " + (folder / "a.npz"));
+    };
+    const auto gold = table_of(" --base Au --wavelengths 620 --no-cache ");
+    CAPTURE(gold.err);
+    CHECK(gold.exit_code == 0);
+    CHECK_THAT(gold.err, Catch::Contains("warning: grazing directions (mu < 0.2)") &&
+                             Catch::Contains("mu_in 0.05"));
+    // Clear spheres have a glory straight back, which nodes do not resolve.
     const std::string scene = " --base TiO2 --wavelengths 620 --no-cache ";
-    const auto table =
-        support::run_program("export --format npz" + scene + "-o " + (folder / "a.npz"));
+    const auto table = table_of(scene);
     CAPTURE(table.err);
     CHECK(table.exit_code == 0);
-    CHECK_THAT(table.err, Catch::Contains("warning: grazing directions (mu < 0.2)") &&
-                              Catch::Contains("mu_in 0.05"));
+    CHECK_THAT(table.err, Catch::Contains("warning: single directions miss") &&
+                              Catch::Contains("mu_in 1, mu_out 1"));
     // One list of directions has one verdict, whichever command is asked.
     const std::string lists =
         GENERATE("--mu-in 0.05 --mu-out 0.05 --azimuth 0", "--mu-in 0.5 --mu-out 0.5 --azimuth 90");
