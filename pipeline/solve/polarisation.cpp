@@ -318,8 +318,9 @@ class StandIns {
 
     LightChoice chosen(const LightChoice& unknown, std::size_t w, double change) const {
         LightChoice light{.left_out = change};
+        // What was found, without the margin: as good as an estimate of errors is.
         light.is_beyond_promise =
-            change > std::max(request_.solver.tolerance, kPromisedWithoutPolarisation);
+            change > kMargin * std::max(request_.solver.tolerance, kPromisedWithoutPolarisation);
         if (has_rough_boundary(request_.scene)) {
             light.reason = fmt::format("{}; below a smooth one values would change by up to {:.1g}",
                                        unknown.reason, change);
