@@ -117,6 +117,8 @@ Values values_of(const Case& one, const rte::SolverOptions& options) {
     return values;
 }
 
+constexpr double kTruthTolerance = 1e-7;
+
 // At two numbers of nodes: their difference is the noise of the reference.
 struct Truth {
     Values finest, coarser;
@@ -125,8 +127,16 @@ struct Truth {
 Truth truth_of(const Case& one) {
     const bool is_rough = one.stack.boundary && one.stack.boundary->is_rough();
     const int streams = is_rough ? 48 : 128;
-    return {values_of(one, {.tolerance = 1e-7, .streams = streams}),
-            values_of(one, {.tolerance = 1e-7, .streams = 3 * streams / 4})};
+    return {values_of(one, {.tolerance = kTruthTolerance, .streams = streams}),
+            values_of(one, {.tolerance = kTruthTolerance, .streams = 3 * streams / 4})};
+}
+
+// The error beyond the noise of the truth.
+void add(double value, double finest, double coarser, double scale, double stated, double tolerance,
+         Tally& tally) {
+    const double noise = std::max(std::abs(coarser - finest) / scale, kTruthTolerance);
+    tally.add(std::max(0.0, std::abs(value - finest) / scale - noise), 0.5 * noise, stated,
+              tolerance);
 }
 
 void tally_part(const Part& part, const std::vector<Truth>& truth, Tally& tally) {
@@ -140,15 +150,12 @@ void tally_part(const Part& part, const std::vector<Truth>& truth, Tally& tally)
                 double scale = 1e-300;
                 for (std::size_t n = k / block * block; n < (k / block + 1) * block; ++n)
                     scale = std::max(scale, std::abs(finest.reflection[n]));
-                tally.add(std::abs(values.reflection[k] - finest.reflection[k]) / scale,
-                          0.5 * std::abs(coarser.reflection[k] - finest.reflection[k]) / scale,
-                          values.errors[k], tolerance);
+                add(values.reflection[k], finest.reflection[k], coarser.reflection[k], scale,
+                    values.errors[k], tolerance, tally);
             }
             for (std::size_t k = 0; k < values.albedos.size(); ++k) {
-                const double scale = std::max(finest.albedos[k], 1e-6);
-                tally.add(std::abs(values.albedos[k] - finest.albedos[k]) / scale,
-                          0.5 * std::abs(coarser.albedos[k] - finest.albedos[k]) / scale,
-                          values.albedo_error, tolerance);
+                add(values.albedos[k], finest.albedos[k], coarser.albedos[k],
+                    std::max(finest.albedos[k], 1e-6), values.albedo_error, tolerance, tally);
             }
         }
     }
