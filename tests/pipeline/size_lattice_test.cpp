@@ -38,7 +38,7 @@ TEST_CASE("optics between the radii of a lattice are those of averages of their 
     const bool with_variance = GENERATE(false, true);
     const double radius = GENERATE(0.13, 0.71, 4.0);
     CAPTURE(with_variance, radius);
-    const SizeLattice lattice({}, with_variance, nullptr);
+    const SizeLattice lattice(SizeLattice::kFineStep, {}, with_variance, nullptr);
     const auto species = species_of(
         fmt::format("index:1.5,0.01,radius={},variance=0.17,distribution=log-normal", radius));
     Control control;
@@ -63,8 +63,8 @@ TEST_CASE("optics between the radii of a lattice are those of averages of their 
 TEST_CASE("sizes close to each other share their lattice", "[pipeline][lattice]") {
     Control control;
     control.memo = make_optics_memo();
-    control.memo->lattice =
-        std::make_shared<const SizeLattice>(std::vector<mie::SizeDistribution>{}, false, nullptr);
+    control.memo->lattice = std::make_shared<const SizeLattice>(
+        SizeLattice::kFineStep, std::vector<mie::SizeDistribution>{}, false, nullptr);
     // 0.5 um and 1 % more are in one cell: the lattice has nodes at powers of exp(half a width).
     species_optics(control, species_of("index:1.5,0.01,radius=0.5,variance=0.2"), 0, demand(false),
                    kRun);
@@ -77,7 +77,7 @@ TEST_CASE("sizes close to each other share their lattice", "[pipeline][lattice]"
 TEST_CASE("spheres of one size, fixed sizes and analytic media are not interpolated",
           "[pipeline][lattice]") {
     const auto fixed = species_of("index:1.5,0.01,radius=0.5,variance=0.2");
-    const SizeLattice lattice({fixed.sizes}, false, nullptr);
+    const SizeLattice lattice(SizeLattice::kFineStep, {fixed.sizes}, false, nullptr);
     CHECK_FALSE(lattice.covers(fixed, demand(false)));
     CHECK(lattice.covers(species_of("index:1.5,0.01,radius=0.51,variance=0.2"), demand(false)));
     CHECK_FALSE(
