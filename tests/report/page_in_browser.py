@@ -26,7 +26,7 @@ GOLD = ["--base", "TiO2,radius=0.13,variance=0.05", "--coat", "Au,radius=0.03,va
         "--roughness", "0.3", "--tolerance", TOLERANCE]
 GLOSSY = ["--base", "TiO2,radius=0.13,variance=0.05 in index:1.5", "--boundary", "smooth",
           "--tolerance", TOLERANCE]
-DROPLETS = ["--base", "index:1.33,0.01,radius=2,variance=0.1", "--tolerance", "5e-4"]
+DROPLETS = ["--base", "index:1.33,0.01,radius=2,variance=0.1", "--tolerance", "1e-3"]
 DIRECTIONS = [(0, 10, 0), (30, 45, 0), (30, 40, 60), (60, 50, 0), (75, 80, 20), (45, 45, 180)]
 # The program's promise for the page, of the largest value at an incidence.
 ALLOWED = 1e-3

@@ -313,14 +313,16 @@ int main(int count, char** arguments) {
         const std::vector<Spheres> spheres = prefix.empty() ? random_spheres() : rare_spheres();
         const std::string file = arguments[1] + std::string(prefix.empty() ? "" : ".rare");
         std::vector<Truth> truth;
-        for (const auto& [name, part] : parts) {
+        for (const auto& each : parts) {
+            const auto& name = each.first;
             if (!constants::is_wanted(prefix + name, count, arguments)) continue;
             if (truth.empty() && !load(file, spheres, truth)) {
                 truth.clear();
                 for (const Spheres& s : spheres) truth.push_back(truth_of(s));
                 store(file, truth);
             }
-            constants::measure(prefix + name, [&](Tally& tally) { part(spheres, truth, tally); });
+            constants::measure(prefix + name,
+                               [&](Tally& tally) { each.second(spheres, truth, tally); });
         }
     }
     return 0;

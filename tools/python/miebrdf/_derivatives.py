@@ -19,7 +19,7 @@ from ._directions import (
     evaluate_exactly,
 )
 from ._options import Call
-from .colour import require_visible
+from .colour import _require_visible
 from .errors import UsageError
 
 #: Columns of a colour, as the program names them.
@@ -197,7 +197,7 @@ class Derivatives:
         >>> scene = Scene("TiO2,radius={r=0.2} + Fe2O3,radius=0.1,volume={c=1}%")
         >>> scene.derivatives(range(400, 701, 10), ["c"]).colour(0.5)["c"]["lab_b"]
         """
-        require_visible(self._wavelengths_nm)
+        _require_visible(self._wavelengths_nm)
         if mu_out is None and theta_out_deg is None:
             axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
             cosines = axes.arrays[0].reshape(-1).tolist()

@@ -32,7 +32,7 @@ __all__ = [
 _LARGEST_FACTOR = 2.0
 
 
-def require_visible(nm: list[float]) -> None:
+def _require_visible(nm: list[float]) -> None:
     if not _core.covers_the_visible(nm):
         raise UsageError(
             "wavelengths_nm: a colour needs at least eight wavelengths, ascending, from 430 nm or "
@@ -55,7 +55,7 @@ def _columns(
         raise UsageError(
             f"reflectance: shape {values.shape} does not have {len(nm)} wavelengths as its first axis"
         )
-    require_visible(nm)
+    _require_visible(nm)
     rows = values.reshape(len(nm), -1).T
     # A glossy lobe is above 1 in some directions; percentages are so everywhere.
     if rows.size and float(rows.max(axis=1).min()) > _LARGEST_FACTOR:
