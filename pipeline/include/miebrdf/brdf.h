@@ -71,7 +71,9 @@ struct WavelengthReport {
     /// none. Not in error_estimate.
     double polarisation_left_out = 0.0;
     double error_estimate = 0.0;  ///< of single scattering and transfer together
-    bool converged = false;       ///< error_estimate <= tolerance, and every step says so
+    /// error_estimate <= tolerance, every step says so, and polarisation that was left out was not
+    /// found to change values by more than .6 % and the tolerance.
+    bool converged = false;
 };
 
 /// The part that all results have in common: one report for each wavelength, and the worst of them.
