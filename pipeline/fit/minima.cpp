@@ -80,7 +80,7 @@ class Searcher {
     Minimum from(std::vector<double> t) {
         squares_.start = std::move(t);
         squares_.loss = FitLoss::squares;
-        const Minimum plain = minimise(squares_);
+        Minimum plain = minimise(squares_);
         if (problem_.loss == FitLoss::squares || !plain.converged) return plain;
         squares_.start = plain.x;
         squares_.loss = problem_.loss;

@@ -50,8 +50,9 @@ class TreePlane {
     Direction at(std::size_t cell, const CellPoint& share) const {
         const auto side = static_cast<double>(n_);
         const double sin_in = 1.0 - 2.0 * (double(incidence_) + share.incidence) / side;
-        const auto [dx, dy] = square_to_disk((double(cell / n_) + share.x) / side,
-                                             (double(cell % n_) + share.y) / side);
+        const std::size_t row = cell / n_;
+        const auto [dx, dy] =
+            square_to_disk((double(row) + share.x) / side, (double(cell % n_) + share.y) / side);
         return {std::sqrt(std::max(1e-12, (1 - sin_in) * (1 + sin_in))),
                 std::sqrt(std::max(1e-12, 1 - dx * dx - dy * dy)), std::atan2(dy, dx) / kDegree};
     }
