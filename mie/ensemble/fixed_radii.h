@@ -1,0 +1,56 @@
+// Radii at which averages are differenced: one choice for all numbers.
+#pragma once
+
+#include <miebrdf/ensemble.h>
+
+#include <vector>
+
+#include "mie/ensemble/changed_sums.h"
+#include "mie/ensemble/particle_ensemble.h"
+#include "mie/ensemble/size_passes.h"
+
+namespace miebrdf::mie {
+
+struct RadiiRule {
+    /// Moments and phase functions settle later than efficiencies.
+    static constexpr int kTimesAsManySizes = 2;
+    /// Sizes at most; where there are angles, as many as take about a second.
+    static constexpr int kMostSizes = 8192, kMostSmooth = 512;
+    /// A sharp end is spread over a period of interference, or so many of ripple, to both sides,
+    /// but over no more than this share of its radius.
+    static constexpr double kPeriods = 4, kSizesPerPeriod = 2.5, kWidest = 0.01;
+};
+
+/// Radii, and the length of radius that each stands for.
+struct Radii {
+    SizePasses::Rule rule;
+    std::vector<double> radius_um, length_um;
+    double absorption_error = 0.0;  ///< relative, as the last pass changed it
+};
+
+/// As many as efficiencies need.
+/// @param most  sizes
+Radii radii_of(const EnsembleRequest& request, double most, const Executor& run);
+
+/// The spheres of all requests at the same radii, and what laws gain at their ends.
+class FixedRadii {
+  public:
+    FixedRadii(const EnsembleRequest& middle, const Radii& radii);
+
+    std::vector<double> radius_um() const;
+    SpheresAtRadii spheres(const EnsembleRequest& request) const;
+    SpheresChange change(const EnsembleChange& of) const;
+    const Ensemble& ensemble() const { return ensemble_; }
+
+  private:
+    struct Place {
+        double radius_um, length_um, of_smallest, of_largest;
+    };
+
+    Ensemble ensemble_;
+    const Radii& radii_;
+    bool has_ends_;
+    std::vector<Place> places_ = {};
+};
+
+}  // namespace miebrdf::mie
