@@ -27,9 +27,7 @@ class SizeLattice {
     /// @param radius_step  in widths of the law
     /// @param fixed  sizes of spheres that stay as they are: averages of their own
     /// @param with_variance  the others' variances change, too
-    /// @param cache  for the averages at the lattice and those of fixed sizes, which later fits
-    /// meet
-    ///        again; null: none
+    /// @param cache  for the averages at the lattice and those of fixed sizes; null: none
     SizeLattice(double radius_step, std::vector<mie::SizeDistribution> fixed, bool with_variance,
                 std::shared_ptr<ResultCache> cache);
 
