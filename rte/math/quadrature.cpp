@@ -3,12 +3,58 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
+#include <numbers>
 
 #include <miebrdf/error.h>
 
 namespace miebrdf::math {
+namespace {
+
+/// The zeros of P_n that are not negative, ascending, all by Newton's iteration together, and their
+/// weights of Gauss's rule on (-1, 1).
+struct LegendreZeros {
+    Eigen::ArrayXd x, weight;
+
+    explicit LegendreZeros(int n) : x((n + 1) / 2), weight(x.size()) {
+        // Tricomi's approximation errs by the order of n^-4 at most.
+        for (Eigen::Index i = 0; i < x.size(); ++i) {
+            const double k = double(x.size() - i);
+            x[i] = (1.0 - (n - 1.0) / (8.0 * n * n * n)) *
+                   std::cos(std::numbers::pi * (k - 0.25) / (n + 0.5));
+        }
+        const bool has_middle = n % 2 == 1;
+        if (has_middle) x[0] = 0.0;
+        // A step s leaves an error of x s^2 / (1 - x^2), half of P'' / P' at a zero.
+        constexpr double kRounding = 1e-17;
+        for (double left = 1.0; left > kRounding;) {
+            const Eigen::ArrayXd change = value_over_slope(n);
+            left = (change.square() / ((1.0 - x) * (1.0 + x))).maxCoeff();
+            x -= change;
+            if (has_middle) x[0] = 0.0;
+        }
+        value_over_slope(n);
+        weight = 2.0 / ((1.0 - x) * (1.0 + x) * slope_.square());
+    }
+
+  private:
+    /// P_n / P'_n at x.
+    Eigen::ArrayXd value_over_slope(int n) {
+        below_.setOnes(x.size());
+        value_ = x;
+        for (int j = 1; j < n; ++j) {
+            const double share = j / (j + 1.0);
+            below_ = x * value_ + share * (x * value_ - below_);
+            value_.swap(below_);
+        }
+        slope_ = double(n) * (below_ - x * value_) / ((1.0 - x) * (1.0 + x));
+        return value_ / slope_;
+    }
+
+    Eigen::ArrayXd below_, value_, slope_;
+};
+
+}  // namespace
 
 Quadrature gauss_legendre(int count, double lower, double upper) {
     if (!(count >= 1 && count <= 8192)) {
@@ -19,21 +65,17 @@ Quadrature gauss_legendre(int count, double lower, double upper) {
     }
     const double centre = 0.5 * (lower + upper);
     const double half_width = 0.5 * (upper - lower);
-    // Boost gives the zeros that are not negative, ascending; the rest follow by symmetry.
-    const std::vector<double> zeros = boost::math::legendre_p_zeros<double>(count);
+    const LegendreZeros zeros(count);
 
     Quadrature rule;
     rule.nodes.resize(count);
     rule.weights.resize(count);
-    for (std::size_t i = 0; i < zeros.size(); ++i) {
-        const double x = zeros[i];
-        const double slope = boost::math::legendre_p_prime(count, x);
-        const double weight = 2.0 / ((1.0 - x) * (1.0 + x) * slope * slope);
-        const std::size_t above = count - zeros.size() + i;
+    for (Eigen::Index i = 0; i < zeros.x.size(); ++i) {
+        const std::size_t above = count - std::size_t(zeros.x.size() - i);
         const std::size_t below = count - 1 - above;
-        rule.nodes[above] = centre + half_width * x;
-        rule.nodes[below] = centre - half_width * x;
-        rule.weights[above] = rule.weights[below] = half_width * weight;
+        rule.nodes[above] = centre + half_width * zeros.x[i];
+        rule.nodes[below] = centre - half_width * zeros.x[i];
+        rule.weights[above] = rule.weights[below] = half_width * zeros.weight[i];
     }
     return rule;
 }

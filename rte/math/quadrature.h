@@ -12,7 +12,7 @@ struct Quadrature {
 };
 
 /// Gauss-Legendre rule with `count` nodes on (lower, upper): exact for polynomials of degree
-/// 2 count - 1. Zeros from Boost.Math's Newton iteration, weights 2 / ((1 - x^2) P'_n(x)^2).
+/// 2 count - 1. Zeros by Newton's iteration, weights 2 / ((1 - x^2) P'_n(x)^2).
 ///
 /// @param count  1 to 8192
 /// @throws UsageError  for a count out of range, or an interval that is empty or not finite

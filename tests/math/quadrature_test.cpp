@@ -16,7 +16,7 @@ TEST_CASE("Gauss-Legendre integrates every monomial up to degree 2n - 1 exactly"
         double sum = 0;
         for (int i = 0; i < n; ++i) sum += rule.weights[i] * std::pow(rule.nodes[i], degree);
         CAPTURE(n, degree);
-        // n sums of rounded weights; Boost's zeros and slopes carry a few units in the last place.
+        // n sums of rounded weights; slopes carry a few units in the last place.
         CHECK(std::abs(sum * (degree + 1) - 1) <= 40 * n * std::numeric_limits<double>::epsilon());
     }
 }
@@ -27,9 +27,10 @@ TEST_CASE("Gauss-Legendre with thousands of nodes integrates fast waves", "[math
     for (const double waves : {1.0, 100.0, 4000.0}) {
         double sum = 0;
         for (int i = 0; i < n; ++i) sum += rule.weights[i] * std::cos(waves * rule.nodes[i]);
-        // The phase of the wave is rounded at each of n nodes, and so are nodes and weights.
+        // The phase of the wave is rounded at each of n nodes, and so are nodes and weights: those
+        // come from recurrences of n steps, and the sum has n terms.
         CHECK(std::abs(sum - 2 * std::sin(waves) / waves) <=
-              40 * waves * std::numeric_limits<double>::epsilon());
+              (40 * waves + std::sqrt(n)) * std::numeric_limits<double>::epsilon());
     }
 }
 
