@@ -175,9 +175,9 @@ class WavelengthDerivatives {
         demand_ = first_demand(request, whole);
         demand_.polarisation = solved.stokes > 1;
         find_optics();
-        const bool had_more = solved.solver.streams > first_streams(request) &&
-                              solved.stokes == 1 && demand_.highest_moment < whole.highest_moment;
-        if (!had_more || !has_cut_moments(optics_.stack)) return;
+        if (demand_.highest_moment >= whole.highest_moment ||
+            !lacks_moments(request, demand_, solved, optics_.stack))
+            return;
         demand_ = whole;
         find_optics();
     }

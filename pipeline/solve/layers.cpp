@@ -264,10 +264,14 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     return all;
 }
 
-bool has_cut_moments(const rte::Stack& stack) {
-    return (stack.base_kind == rte::BaseKind::half_space && stack.base.has_more_moments) ||
-           std::any_of(stack.coats.begin(), stack.coats.end(),
-                       [](const rte::Coat& coat) { return coat.optics.has_more_moments; });
+bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
+                   const WavelengthReport& solved, const rte::Stack& stack) {
+    const auto is_cut = [](const rte::Optics& optics) { return optics.has_more_moments; };
+    const bool is_base_cut = stack.base_kind == rte::BaseKind::half_space && is_cut(stack.base);
+    return solved.stokes == 1 && solved.solver.streams > first_streams(request) &&
+           solved.solver.moments >= demand.highest_moment &&
+           (is_base_cut || std::any_of(stack.coats.begin(), stack.coats.end(),
+                                       [&](const rte::Coat& coat) { return is_cut(coat.optics); }));
 }
 
 LayerQuantity albedo_quantity(const ResolvedScene& scene) {
@@ -348,9 +352,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
             const auto& [light, optics] = lit[i];
             slice = solve(reduced, optics, job.wavelength, own, light, pieces_of_job(control),
                           memories.local());
-            wants_more[i] = own.highest_moment < demand.highest_moment && light.components == 1 &&
-                            has_cut_moments(optics.stack) &&
-                            slice.report.solver.streams > first_streams(request);
+            wants_more[i] = own.highest_moment < demand.highest_moment &&
+                            lacks_moments(request, own, slice.report, optics.stack);
             if (control.cache != nullptr && !wants_more[i])
                 control.cache->store(job.hash, packed(slice));
         });

@@ -74,8 +74,10 @@ class DistinctDirections;
 /// A slice at the distinct directions as one at all those that were asked for.
 LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity);
 
-/// Whether a list of moments was cut short: more nodes could make use of more.
-bool has_cut_moments(const rte::Stack& stack);
+/// Whether more nodes than were foreseen kept all the moments of `demand`, which is short of what
+/// there are: those beyond may show.
+bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
+                   const WavelengthReport& solved, const rte::Stack& stack);
 
 /// One slice for each wavelength; wavelengths whose layers are the same (repeated, or of media that
 /// do not change with it) are computed once. With control.cache, slices are stored as soon as they
