@@ -72,10 +72,13 @@ void Planner::polarisation() {
     std::size_t unknown = 0;
     for (const LayerJob& job : jobs_) {
         const LightChoice light = choose_light(request_, job.wavelength);
-        if (light.needs_matrices)
+        if (light.begins_coarsely) {
+            ++scalar["scattering matrices of few sizes mostly tell that it does not show"];
+        } else if (light.needs_matrices) {
             ++unknown;
-        else
+        } else {
             ++(light.components > 1 ? polarised : scalar)[light.reason];
+        }
     }
     for (const auto& [reason, count] : polarised) {
         plan_.steps.push_back({"polarisation", "light of several components: " + reason, count,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 #include <miebrdf/transfer.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +14,10 @@
 
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/solve/grain_shape.h"
+#include "pipeline/solve/parallel.h"
 #include "rte/boundary/fresnel_matrix.h"
 #include "rte/math/tolerance_budget.h"
+#include "rte/stack/layered_reflection.h"
 
 namespace miebrdf {
 namespace {
@@ -39,11 +42,22 @@ constexpr int kStreamsOfComparison = 12;
 constexpr std::size_t kMostCosinesCompared = 8, kMostAzimuthsCompared = 7;
 constexpr double kMargin = 1.5;
 
+/// Fourier orders of a comparison that are left out at the end, and its equations, are judged by
+/// this: their share of a change is that of the value.
+constexpr double kToleranceOfComparison = 1e-2;
+
 /// Changes vary slowly with the wavelength: stand-ins are looked at at the ends and the middle of
 /// those that a request has, and those between have the larger change of their neighbours.
 constexpr std::size_t kMostWavelengthsCompared = 3;
-/// Of the size average of stand-ins.
-constexpr double kStandInTolerance = 1e-2;
+/// Of the size averages that are looked at first: of stand-ins, and where matrices take longer than
+/// this by the count of their first sizes. Those of a tolerance of 1e-3 take several times as many
+/// (TiO2 of 1 um: 13 ms, a coarse one and the comparison 3 ms).
+constexpr double kCoarseTolerance = 1e-2;
+constexpr double kCheapMatricesSeconds = 1e-4;
+/// Changes that coarse averages tell differ from those of fine ones by a factor of 1.72 at most in
+/// 160 random scenes (left_out_polarisation.py, class mixed): what is this much less, or more, than
+/// what is allowed is decided.
+constexpr double kCoarseMargin = 2.0;
 
 /// What the scattering matrices of large spheres may take at a wavelength where stand-ins tell that
 /// polarisation shows. Solving for numbers takes .01 to .1 s.
@@ -73,6 +87,21 @@ SizeSpan polarising_sizes(const ResolvedScene& scene, std::size_t w) {
         }
     }
     return span;
+}
+
+/// What the scattering matrices of the scene's spheres take at a wavelength.
+double matrices_seconds(const LayerRequest& request, std::size_t w) {
+    const ResolvedScene& scene = request.scene;
+    const OpticsDemand demand =
+        demand_of(request.solver, scene.particles.tolerance, phase_demand(request.quantity));
+    double seconds = 0.0;
+    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
+        for (const ResolvedSpecies& species : scene.media[m].species) {
+            if (species.needs_mie() && polarises(species, w))
+                seconds += matrix_seconds(species, w, demand);
+        }
+    }
+    return seconds;
 }
 
 bool has_rough_boundary(const ResolvedScene& scene) {
@@ -130,36 +159,30 @@ std::vector<double> some_of(const std::vector<double>& list, std::size_t most) {
 
 /// Relative to each value, but to no less than `least`. Where one is not a number nothing is known:
 /// all of it may change.
-double largest_change(const std::vector<double>& without, const std::vector<double>& with,
-                      double least = 0.0) {
+double largest_change(const rte::LightComparison& values, double least) {
     double largest = 0.0;
-    for (std::size_t k = 0; k < with.size(); ++k) {
-        const double change = std::abs(without[k] - with[k]);
+    for (std::size_t k = 0; k < values.with.size(); ++k) {
+        const double change = std::abs(values.without[k] - values.with[k]);
         if (std::isnan(change)) return 1.0;
-        if (change > 0.0) largest = std::max(largest, change / std::max(std::abs(with[k]), least));
+        if (change > 0.0)
+            largest = std::max(largest, change / std::max(std::abs(values.with[k]), least));
     }
     return largest;
 }
 
 /// The change that leaving polarisation out makes to the values asked for, relative to each.
-double change_found(const LayerRequest& request, const rte::Stack& stack) {
+double change_found(const LayerRequest& request, const rte::Stack& stack,
+                    rte::SolutionMemory& memory) {
     SolverOptions solver = request.solver;
     solver.streams = kStreamsOfComparison;
+    solver.tolerance = std::max(solver.tolerance, kToleranceOfComparison);
     const Directions& all = request.directions;
     const std::vector<double> mu_in = some_of(all.mu_in, kMostCosinesCompared);
-    if (request.quantity == LayerQuantity::reflection ||
-        request.quantity == LayerQuantity::mueller) {
-        const Directions some{mu_in, some_of(all.mu_out, kMostCosinesCompared),
-                              some_of(all.azimuth_deg, kMostAzimuthsCompared)};
-        return largest_change(rte::reflect(stack, some, solver).reflection,
-                              rte::reflect_polarised(stack, some, {3, true}, solver).reflection);
-    }
-    const rte::AlbedoTable without = rte::albedo(stack, mu_in, solver);
-    const rte::AlbedoTable with = rte::polarised_albedo(stack, mu_in, solver);
-    return std::max(
-        {largest_change(without.plane_albedo, with.plane_albedo, kLeastJudgedFlux),
-         largest_change({without.spherical_albedo}, {with.spherical_albedo}, kLeastJudgedFlux),
-         largest_change(without.transmittance, with.transmittance, kLeastJudgedFlux)});
+    if (!is_reflection(request.quantity))
+        return largest_change(rte::compare_albedos(stack, mu_in, solver, memory), kLeastJudgedFlux);
+    const Directions some{mu_in, some_of(all.mu_out, kMostCosinesCompared),
+                          some_of(all.azimuth_deg, kMostAzimuthsCompared)};
+    return largest_change(rte::compare_light(stack, some, solver, memory), 0.0);
 }
 
 double mean_square_b1(const rte::Optics& optics) {
@@ -237,15 +260,23 @@ LightChoice choose_light(const LayerRequest& request, std::size_t w) {
     }
     unknown.needs_stand_ins = !unknown.reason.empty();
     unknown.needs_matrices = !unknown.needs_stand_ins;
+    unknown.begins_coarsely =
+        unknown.needs_matrices && matrices_seconds(request, w) > kCheapMatricesSeconds;
     return unknown;
 }
 
-LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown,
-                         const rte::Stack& stack) {
+namespace {
+
+/// What leaving polarisation out changes at most, as far as what is allowed needs to know: a bound
+/// by the particles alone, or twice solved with few nodes.
+double change_without(const LayerRequest& request, double allowed, const rte::Stack& stack,
+                      rte::SolutionMemory& memory) {
     const double by_particles = change_by_polarisation(stack);
-    double change = by_particles;
-    if (request.scene.has_optical_steps() || by_particles > unknown.allowed)
-        change = kMargin * change_found(request, stack);
+    const bool is_enough = !request.scene.has_optical_steps() && by_particles <= allowed;
+    return is_enough ? by_particles : kMargin * change_found(request, stack, memory);
+}
+
+LightChoice chosen_by(const LightChoice& unknown, double change) {
     if (change <= unknown.allowed) {
         return {.left_out = change,
                 .reason = fmt::format("values change by less than {:.1g} without it", change)};
@@ -254,18 +285,18 @@ LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown
             .reason = fmt::format("without it values would change by up to {:.1g}", change)};
 }
 
-namespace {
-
-/// What stand-ins tell: LightChoice::needs_stand_ins.
-class StandIns {
+/// How light is computed at wavelengths of a scene where more is to be found out than
+/// choose_light knows.
+class LightChooser {
   public:
-    StandIns(const LayerRequest& request, double hiding, OpticsDemand demand,
-             const Control& control)
+    LightChooser(const LayerRequest& request, double hiding, OpticsDemand demand,
+                 const Control& control)
         : request_(request), hiding_(hiding), demand_(std::move(demand)), control_(control) {}
 
     /// Of the wavelengths whose light needs them. Which ones are looked at depends on the scene
     /// alone, not on what of it is known already.
-    void choose(const std::vector<std::size_t>& wavelengths, std::vector<LitScene>& all) const {
+    void by_stand_ins(const std::vector<std::size_t>& wavelengths,
+                      std::vector<LitScene>& all) const {
         const auto needs = [](const LitScene& lit) { return lit.light.needs_stand_ins; };
         if (std::none_of(all.begin(), all.end(), needs)) return;
         std::vector<std::size_t> needing;
@@ -276,47 +307,80 @@ class StandIns {
         std::vector<std::size_t> looked_at;
         for (std::size_t k = 0; k <= steps; ++k)
             looked_at.push_back(needing[steps == 0 ? 0 : k * (needing.size() - 1) / steps]);
-        const std::vector<double> changes = changes_at(looked_at);
+        const std::vector<CoarseChange> found = coarse_changes(looked_at, 1.0);
         for (std::size_t i = 0; i < all.size(); ++i) {
             if (!needs(all[i])) continue;
             const std::size_t w = wavelengths[i];
             const auto next = std::lower_bound(looked_at.begin(), looked_at.end(), w);
             const auto k = std::size_t(next - looked_at.begin());
-            const double change =
-                *next == w || k == 0 ? changes[k] : std::max(changes[k - 1], changes[k]);
-            all[i].light = chosen(all[i].light, w, change);
+            const double change = *next == w || k == 0
+                                      ? found[k].change
+                                      : std::max(found[k - 1].change, found[k].change);
+            all[i].light = by_stand_in(all[i].light, w, change);
         }
+    }
+
+    /// Where matrices take long, those with few sizes may tell that they are not needed.
+    void by_coarse_matrices(const std::vector<std::size_t>& wavelengths,
+                            std::vector<LitScene>& all) const {
+        std::vector<std::size_t> places, some;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (!all[i].light.begins_coarsely) continue;
+            places.push_back(i);
+            some.push_back(wavelengths[i]);
+        }
+        const std::vector<CoarseChange> found = coarse_changes(some, 1.0 / kCoarseMargin);
+        for (std::size_t k = 0; k < places.size(); ++k) {
+            LightChoice& light = all[places[k]].light;
+            const auto [change, averages_converged] = found[k];
+            if (averages_converged && kCoarseMargin * change <= light.allowed) {
+                light = chosen_by(light, kCoarseMargin * change);
+            } else if (change > kCoarseMargin * light.allowed) {
+                light = chosen_by(light, change);
+            }
+        }
+    }
+
+    /// By the matrices that `all` have.
+    void by_matrices(std::vector<LitScene>& all, const std::vector<std::size_t>& places) const {
+        Memories memories;
+        run_parallel("polarisation", places.size(), control_, [&](std::size_t i) {
+            LitScene& lit = all[places[i]];
+            if (!lit.light.needs_matrices) return;
+            lit.light = chosen_by(lit.light, change_without(request_, lit.light.allowed,
+                                                            lit.optics.stack, memories.local()));
+        });
     }
 
   private:
-    std::vector<double> changes_at(const std::vector<std::size_t>& wavelengths) const {
+    using Memories = tbb::enumerable_thread_specific<rte::SolutionMemory>;
+
+    struct CoarseChange {
+        double change;
+        bool averages_converged;
+    };
+
+    /// @param share  of what is allowed, beyond which it must be known
+    std::vector<CoarseChange> coarse_changes(const std::vector<std::size_t>& wavelengths,
+                                             double share) const {
         OpticsDemand coarse = demand_;
         coarse.polarisation = coarse.stand_ins = true;
-        coarse.tolerance = std::max(coarse.tolerance, kStandInTolerance);
-        std::vector<double> changes;
-        for (SceneOptics& optics : visible_optics(request_.scene, request_.directions, hiding_,
-                                                  wavelengths, coarse, control_)) {
-            if (optics.stack.boundary) optics.stack.boundary = rte::Boundary{};
-            changes.push_back(kMargin * change_found(request_, optics.stack));
-        }
+        coarse.tolerance = std::max(coarse.tolerance, kCoarseTolerance);
+        const std::vector<SceneOptics> optics = visible_optics(
+            request_.scene, request_.directions, hiding_, wavelengths, coarse, control_);
+        std::vector<CoarseChange> changes(optics.size());
+        Memories memories;
+        run_parallel("polarisation", optics.size(), control_, [&](std::size_t i) {
+            rte::Stack stack = optics[i].stack;
+            if (stack.boundary) stack.boundary = rte::Boundary{};
+            const double allowed = share * choose_light(request_, wavelengths[i]).allowed;
+            changes[i] = {change_without(request_, allowed, stack, memories.local()),
+                          optics[i].converged};
+        });
         return changes;
     }
 
-    double own_matrices_seconds(std::size_t w) const {
-        OpticsDemand own = demand_;
-        own.polarisation = true;
-        const ResolvedScene& scene = request_.scene;
-        double seconds = 0.0;
-        for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-            for (const ResolvedSpecies& species : scene.media[m].species) {
-                if (species.needs_mie() && polarises(species, w))
-                    seconds += matrix_seconds(species, w, own);
-            }
-        }
-        return seconds;
-    }
-
-    LightChoice chosen(const LightChoice& unknown, std::size_t w, double change) const {
+    LightChoice by_stand_in(const LightChoice& unknown, std::size_t w, double change) const {
         LightChoice light{.left_out = change};
         // What was found, without the margin: as good as an estimate of errors is.
         light.is_beyond_promise =
@@ -327,7 +391,7 @@ class StandIns {
         } else if (change <= unknown.allowed) {
             light.reason = fmt::format(
                 "values change by less than {:.1g} without it, as smaller spheres tell", change);
-        } else if (own_matrices_seconds(w) <= kBearableSeconds) {
+        } else if (matrices_seconds(request_, w) <= kBearableSeconds) {
             return {.components = 3,
                     .reason = fmt::format(
                         "without it values would change by up to {:.1g}, as smaller spheres tell",
@@ -355,7 +419,9 @@ std::vector<LitScene> light_and_optics(const LayerRequest& request,
     std::vector<LitScene> all(wavelengths.size());
     for (std::size_t i = 0; i < wavelengths.size(); ++i)
         all[i].light = choose_light(request, wavelengths[i]);
-    StandIns(request, hiding, demand, control).choose(wavelengths, all);
+    const LightChooser chooser(request, hiding, demand, control);
+    chooser.by_stand_ins(wavelengths, all);
+    chooser.by_coarse_matrices(wavelengths, all);
     for (const bool polarised : {false, true}) {
         std::vector<std::size_t> places, some;
         for (std::size_t i = 0; i < wavelengths.size(); ++i) {
@@ -368,12 +434,9 @@ std::vector<LitScene> light_and_optics(const LayerRequest& request,
         demand.polarisation = polarised;
         auto optics =
             visible_optics(request.scene, request.directions, hiding, some, demand, control);
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            LitScene& lit = all[places[i]];
-            lit.optics = std::move(optics[i]);
-            if (lit.light.needs_matrices)
-                lit.light = choose_light(request, lit.light, lit.optics.stack);
-        }
+        for (std::size_t i = 0; i < places.size(); ++i)
+            all[places[i]].optics = std::move(optics[i]);
+        chooser.by_matrices(all, places);
     }
     return all;
 }

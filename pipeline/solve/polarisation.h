@@ -26,8 +26,10 @@ struct LightChoice {
     double left_out = 0.0;    ///< WavelengthReport::polarisation_left_out
     std::string reason = {};  ///< "no layer polarises what it scatters", ...
     /// With 1 component: nothing is known yet of how strongly the layers polarise; their scattering
-    /// matrices tell (choose_light below).
+    /// matrices tell (light_and_optics).
     bool needs_matrices = false;
+    /// Those of few sizes come first, which mostly tell that polarisation does not show.
+    bool begins_coarsely = false;
     /// Likewise, but by matrices of smaller spheres and below a smooth boundary: what their own
     /// matrices would cost, or nothing else can compute.
     bool needs_stand_ins = false;
@@ -42,12 +44,6 @@ std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions&
 /// polarise, and which matrices may tell.
 /// @throws UsageError  where several components were asked for and cannot be computed
 LightChoice choose_light(const LayerRequest& request, std::size_t w);
-
-/// The rest, by the scattering matrices of the layers that show: a bound by the particles alone, or
-/// two solutions with few nodes, with and without polarisation.
-/// @param unknown  what the first choice left open
-LightChoice choose_light(const LayerRequest& request, const LightChoice& unknown,
-                         const rte::Stack& stack);
 
 /// A scene at one wavelength with the light that it is solved for.
 struct LitScene {

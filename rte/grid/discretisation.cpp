@@ -135,20 +135,6 @@ void name_method(const SolverOptions& options, GridKind grid, std::string& name)
                    grids[int(grid)]);
 }
 
-// With too many moments for the nodes the discrete equations have no physical solution: fewer then.
-void with_fewer_moments_if_needed(Discretisation discretisation, const Solve& solve,
-                                  Solution& solution) {
-    solution.clear();
-    solve(discretisation, solution);
-    while (!solution.physical && discretisation.moments > 1) {
-        discretisation.moments = std::max(1, 3 * discretisation.moments / 4);
-        solution.clear();
-        solve(discretisation, solution);
-    }
-    solution.report.streams = discretisation.streams;
-    solution.report.moments = discretisation.moments;
-}
-
 // Calls visit(k, scale) for each value, with what its error is relative to.
 template <typename Visit>
 void visit_values(const std::vector<double>& values, const JudgedValues& judged,
@@ -268,13 +254,6 @@ void mark_unknown(Solution& solution) {
     solution.report.share_within_tolerance = 0.0;
 }
 
-void require_physical(Solution& solution, std::size_t count) {
-    if (solution.physical) return;
-    solution.values.assign(count, std::numeric_limits<double>::quiet_NaN());
-    solution.report.converged = false;
-    mark_unknown(solution);
-}
-
 double work_of(int streams, int fourier_orders) {
     return std::pow(double(streams), 3) * fourier_orders;
 }
@@ -336,14 +315,31 @@ void Solution::clear() {
     physical = false;
 }
 
+// With too many moments for the nodes the discrete equations have no physical solution: fewer then.
+void solve_with_nodes(const Stack& stack, const SolverOptions& options, int streams,
+                      std::size_t count, const Solve& solve, Solution& solution) {
+    Discretisation discretisation = choose_discretisation(stack, options, streams);
+    solution.clear();
+    solve(discretisation, solution);
+    while (!solution.physical && discretisation.moments > 1) {
+        discretisation.moments = std::max(1, 3 * discretisation.moments / 4);
+        solution.clear();
+        solve(discretisation, solution);
+    }
+    solution.report.streams = streams;
+    solution.report.moments = discretisation.moments;
+    if (solution.physical) return;
+    solution.values.assign(count, std::numeric_limits<double>::quiet_NaN());
+    solution.report.converged = false;
+    mark_unknown(solution);
+}
+
 Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
                               const JudgedValues& judged, const Solve& solve, Solutions& solutions,
                               const RefinementCallback& refined) {
     Solution &coarsest = solutions.coarsest, &coarse = solutions.coarse, &fine = solutions.fine;
     const auto solve_at = [&](int streams, Solution& solution) {
-        with_fewer_moments_if_needed(choose_discretisation(stack, options, streams), solve,
-                                     solution);
-        require_physical(solution, judged.count);
+        solve_with_nodes(stack, options, streams, judged.count, solve, solution);
     };
     const bool has_many = are_many(judged.count, stack);
     const std::span<const int> ladder = options.streams == 0

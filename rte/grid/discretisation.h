@@ -83,6 +83,11 @@ struct JudgedValues {
     std::vector<bool> near_backwards = {};  ///< of each value; empty: none is
 };
 
+/// A solution with so many nodes, and fewer moments than they can keep where it is not physical with
+/// these; then still not: `count` times NaN. Its error is not estimated.
+void solve_with_nodes(const Stack& stack, const SolverOptions& options, int streams,
+                      std::size_t count, const Solve& solve, Solution& solution);
+
 /// Two numbers of nodes give the result and what its error may be; without a given number of nodes
 /// they grow until the estimate meets the tolerance or stops falling. A result that is not physical
 /// is `count` times NaN.

@@ -25,6 +25,13 @@ struct AlbedoRequest {
     const std::function<SurfaceWeights(double mu)>& surface;
 };
 
+std::size_t count_of_values(const AlbedoRequest& request, std::size_t incidences) {
+    const bool transmits =
+        has_transmittance(lowest_kind(request.stack), request.options, bool(request.surface));
+    const std::size_t polarised = request.components > 1 ? incidences : 0;
+    return incidences + polarised + 1 + (transmits ? incidences + 1 : 0);
+}
+
 void albedo_with(const AlbedoRequest& request, const RequestedDirections& requested,
                  const Discretisation& discretisation, SolutionParts::AtStreams& memory,
                  Solution& solution) {
@@ -67,10 +74,8 @@ void find_albedos(const AlbedoRequest& request, const std::vector<double>& mu_in
         kept.requested = collect(mu_in, {});
         kept.mu_in = mu_in;
     }
-    const bool transmits =
-        has_transmittance(lowest_kind(request.stack), request.options, bool(request.surface));
     const std::size_t count = mu_in.size(), polarised = request.components > 1 ? count : 0;
-    const std::size_t values_wanted = count + polarised + 1 + (transmits ? count + 1 : 0);
+    const std::size_t values_wanted = count_of_values(request, count);
     const auto solve = [&](const Discretisation& discretisation, Solution& solution) {
         albedo_with(request, kept.requested, discretisation,
                     kept.with_streams(discretisation.streams), solution);
@@ -124,6 +129,28 @@ AlbedoTable polarised_albedo(const Stack& stack, const std::vector<double>& mu_i
     find_albedos({with_all_moments(stack), 3, options, {}}, mu_in,
                  memory != nullptr ? *memory : own.emplace(), table);
     return table;
+}
+
+LightComparison compare_albedos(const Stack& stack, const std::vector<double>& mu_in,
+                                const SolverOptions& options, SolutionMemory& memory) {
+    const Stack whole = with_all_moments(stack);
+    const RequestedDirections requested = collect(mu_in, {});
+    SolutionParts::AtStreams& kept = SolutionParts::of(memory).with_streams(options.streams);
+    const auto solved = [&](int components) {
+        const AlbedoRequest request{whole, components, options, {}};
+        const auto solve = [&](const Discretisation& discretisation, Solution& solution) {
+            albedo_with(request, requested, discretisation, kept, solution);
+        };
+        Solution solution;
+        solve_with_nodes(whole, options, options.streams, count_of_values(request, mu_in.size()),
+                         solve, solution);
+        return std::move(solution.values);
+    };
+    LightComparison both{solved(1), solved(3)};
+    // Changes by polarised light stand behind the plane albedos.
+    const auto changes = both.with.begin() + std::ptrdiff_t(mu_in.size());
+    both.with.erase(changes, changes + std::ptrdiff_t(mu_in.size()));
+    return both;
 }
 
 }  // namespace miebrdf::rte

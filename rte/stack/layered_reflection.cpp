@@ -84,15 +84,21 @@ struct Request {
     const SolverOptions& options;
 };
 
+ScaledStack& scale(const Stack& stack, const Directions& directions,
+                   const Discretisation& discretisation, const SolverOptions& options,
+                   SolutionParts::AtStreams& memory) {
+    ScaledStack& scaled = memory.scaled;
+    scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
+    if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
+        scaled.brightness = least_brightness(scaled, directions);
+    return scaled;
+}
+
 void reflect_with(const Request& request, const Discretisation& discretisation,
                   SolutionParts::AtStreams& memory, FourierOrders& orders,
                   FirstOrderSum& first_order, Solution& solution) {
     const SolverOptions& options = request.options;
-    ScaledStack& scaled = memory.scaled;
-    scale_stack(request.stack, discretisation.moments, options.delta_m, NarrowPart::ignored,
-                scaled);
-    if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
-        scaled.brightness = least_brightness(scaled, request.directions);
+    ScaledStack& scaled = scale(request.stack, request.directions, discretisation, options, memory);
     const StackGrids& grids = memory.grids_for(discretisation);
     if (options.single_scattering_correction) split_by_resolution(scaled, grids);
     MultipleScattering multiple = sum_fourier_orders(
@@ -246,6 +252,37 @@ ReflectionTable reflect_polarised(const Stack& stack, const Directions& directio
     validate(directions);
     require_polarisable(stack, options);
     return reflect_light(with_all_moments(stack), directions, light, options, memory, refined);
+}
+
+LightComparison compare_light(const Stack& stack, const Directions& directions,
+                              const SolverOptions& options, SolutionMemory& memory) {
+    const Stack whole = with_all_moments(stack);
+    const RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
+    SolutionParts::AtStreams& kept = SolutionParts::of(memory).with_streams(options.streams);
+    LightComparison both;
+    Solution solution;
+    const auto solve = [&](const Discretisation& discretisation, Solution& numbers) {
+        const ScaledStack& scaled = scale(whole, directions, discretisation, options, kept);
+        const StackGrids& grids = kept.grids_for(discretisation);
+        const auto sum = [&](const SolvedLight& light) {
+            return sum_fourier_orders(scaled, grids, requested, directions.azimuth_deg, light,
+                                      kFourierTailShare * options.tolerance, options, kept.memory);
+        };
+        MultipleScattering without = sum({}), with = sum({3, true});
+        numbers.physical = without.physical && with.physical;
+        if (!numbers.physical) return;
+        FirstOrderSum(directions, options).add_to(without.reflection, scaled);
+        FirstOrderSum(directions, options, 3, 1).add_to(with.reflection, scaled);
+        numbers.values = std::move(without.reflection);
+        both.with = std::move(with.reflection);
+    };
+    solve_with_nodes(
+        whole, options, options.streams,
+        directions.mu_in.size() * directions.mu_out.size() * directions.azimuth_deg.size(), solve,
+        solution);
+    both.without = std::move(solution.values);
+    if (!solution.physical) both.with = both.without;
+    return both;
 }
 
 }  // namespace miebrdf::rte

@@ -32,4 +32,18 @@ TabulatedOrders tabulate_orders(const Stack& stack, const std::vector<double>& m
                                 const SolvedLight& light, const SolverReport& solved,
                                 const SolverOptions& options, SolutionMemory& known);
 
+/// R11, or albedos and transmittances, of light as a number and of (I, Q, U).
+struct LightComparison {
+    std::vector<double> without, with;  ///< polarisation; all NaN: one of them is not physical
+};
+
+/// Solves a stack twice with SolverOptions::streams nodes, for the difference of the two: how far
+/// they are off themselves is not estimated, and features that so few nodes do not resolve are
+/// left out of both. `with` and `without` are laid out as ReflectionTable::reflection.
+LightComparison compare_light(const Stack& stack, const Directions& directions,
+                              const SolverOptions& options, SolutionMemory& memory);
+/// Likewise, plane albedos, the spherical albedo and transmittances.
+LightComparison compare_albedos(const Stack& stack, const std::vector<double>& mu_in,
+                                const SolverOptions& options, SolutionMemory& memory);
+
 }  // namespace miebrdf::rte

@@ -249,7 +249,7 @@ TEST_CASE("auto takes numbers from the scattering matrices that it has looked at
                               },
                           .cache = std::make_shared<ResultCache>(folder / "results.sqlite")};
     const Directions directions = {{0.5, 1.0}, {0.5, 1.0}, {0, 180}};
-    const Scene scene = scene_of("index:1.5,0.01,radius=2");
+    const Scene scene = scene_of("index:1.5,0.01,radius=0.4");
     const Brdf brdf = solve(scene, {550, 600}, {.stokes = 0}, control);
     const BrdfValues values = brdf.evaluate(directions);
     CHECK(averages == 2);
@@ -264,6 +264,44 @@ TEST_CASE("auto takes numbers from the scattering matrices that it has looked at
     const Plan plan = plan_evaluate(brdf, {{0.3}, {0.7}, {90}});
     CHECK(std::none_of(plan.steps.begin(), plan.steps.end(),
                        [](const PlannedStep& step) { return step.stage == "single scattering"; }));
+}
+
+TEST_CASE("where matrices take long, those of few sizes tell auto what it may leave out",
+          "[pipeline][polarisation][rules]") {
+    std::size_t averages = 0;
+    const Control control{.threads = 1,
+                          .progress = [&](const std::string& stage, std::size_t, std::size_t) {
+                              if (stage == "single scattering") ++averages;
+                          }};
+    const auto values = [&](const Scene& scene, const Directions& directions, int stokes) {
+        averages = 0;
+        return solve(scene, {550}, {.stokes = stokes}, control).evaluate(directions);
+    };
+    // Spheres of x = 45 whose polarisation hardly shows: light is solved as if it had none.
+    const Scene base = scene_of("index:1.5,0.01,radius=4");
+    const Directions directions = {{0.3, 0.8}, {0.2, 0.9}, {0, 90, 180}};
+    const BrdfValues left_out = values(base, directions, 0);
+    CHECK(averages == 2);  // of few sizes, and those that the values are made of
+    CHECK(left_out.wavelengths[0].stokes == 1);
+    CHECK(left_out.slices[0].total == values(base, directions, 1).slices[0].total);
+    const BrdfValues with = values(base, directions, 3);
+    const std::vector<double>&all = left_out.slices[0].total, &truth = with.slices[0].total;
+    const double brightest = *std::max_element(truth.begin(), truth.end());
+    // Both are within the tolerance of the brightest, by averages of their own.
+    for (std::size_t i = 0; i < all.size(); ++i)
+        CHECK(std::abs(all[i] - truth[i]) <=
+              kPromisedWithoutPolarisation * truth[i] + 2e-3 * brightest);
+    // In a film below a boundary what one polarises shows at the other.
+    Scene film = scene_of("isotropic:0.5", {"index:1.65,0,radius=1,variance=0.02 in "
+                                            "index:1.5@0.01"});
+    film.substrate = substrate("black");
+    film.boundary = rte::Boundary{};
+    const Directions grazing = {{0.05}, {0.4}, {0}};
+    const BrdfValues chosen = values(film, grazing, 0);
+    CHECK(averages == 2);
+    CHECK(chosen.wavelengths[0].stokes == 3);
+    CHECK(chosen.at(0, 0, 0, 0) == Approx(values(film, grazing, 3).at(0, 0, 0, 0)).epsilon(1e-3));
+    CHECK(values(film, grazing, 1).at(0, 0, 0, 0) > 1.3 * chosen.at(0, 0, 0, 0));
 }
 
 TEST_CASE("plan says what is done about polarisation and why", "[pipeline][polarisation][plan]") {

@@ -8,6 +8,8 @@ Random scenes of spheres at 550 nm, of the classes
     spheres   layers of size parameter 2.5 to 12 below a smooth boundary
     films     layers of numbers, Rayleigh or such spheres, free or on a mirror, below one
     large     size parameter 60 to 500, half-spaces and layers, most of them below a smooth boundary
+    mixed     half-spaces, bare and coated, and layers of size parameter 2.5 to 60, broad and narrow,
+              half of them below a smooth boundary
     rough     layers of size parameter 0.3 to 200 below a rough boundary
 each solved with 16 streams by --stokes 1, 3 and auto. The table says how much of a value numbers
 miss at most, in how many scenes auto computes polarisation, in how many it says that more than
@@ -24,25 +26,43 @@ import sys
 
 PROMISED = 6e-3
 MARGIN = 1.5  # of what is stated over what was found
-CLASSES = ("bare", "spheres", "films", "large", "rough")
+CLASSES = ("bare", "spheres", "films", "large", "mixed", "rough")
 
 
 def log_between(rng, low, high):
     return low * (high / low) ** rng.random()
 
 
-def spheres(rng, low, high, host=1.0):
+def spheres(rng, low, high, host=1.0, narrowest=None):
     x = log_between(rng, low, high)
     n, k = rng.uniform(1.1, 2.6), 0.0 if rng.random() < 0.5 else log_between(rng, 1e-6, 0.3)
     if rng.random() < 0.1:
         n, k = log_between(rng, 0.1, 1.5), rng.uniform(1.5, 6.0)
     radius = 0.55 * x / (2 * math.pi * host)
     inside = f" in index:{host:.3f}" if host > 1 else ""
-    return f"index:{n * host:.4f},{k:.3g},radius={radius:.4g},variance={rng.uniform(0.03, 0.2):.3f}{inside}"
+    variance = log_between(rng, narrowest, 0.25) if narrowest else rng.uniform(0.03, 0.2)
+    return f"index:{n * host:.4f},{k:.3g},radius={radius:.4g},variance={variance:.3g}{inside}"
+
+
+def mixed_scene(rng):
+    host = rng.choice([1.0, rng.uniform(1.2, 1.8)])
+
+    def medium():
+        return spheres(rng, 2.5, 60, host, 0.003)
+    boundary = ["--boundary", "smooth"] if host > 1 else []
+    kind = rng.choice(["bare", "coated", "layer"])
+    if kind == "bare":
+        return ["--base", medium()], boundary
+    lowest = ["--base", medium()]
+    if kind == "layer":
+        lowest = ["--substrate", rng.choice(["black", "lambert:0.6", "none", "mirror:index:0.5,5"])]
+    return [*lowest, "--coat", f"{medium()}@{log_between(rng, 1e-2, 10):.4g}[grey]"], boundary
 
 
 def scene(rng, kind):
     """Words, and those of the boundary."""
+    if kind == "mixed":
+        return mixed_scene(rng)
     host = rng.uniform(1.2, 1.8)
     sizes = {"bare": (3, 60), "spheres": (2.5, 12), "films": (2.5, 12), "large": (60, 500),
              "rough": (0.3, 200)}[kind]
