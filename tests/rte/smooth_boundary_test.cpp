@@ -336,16 +336,27 @@ TEST_CASE("what a rough boundary reflects in all directions adds up to its albed
     CHECK(std::abs(sum - rte::albedo(stack, {0.5}, {.streams = 32}).plane_albedo[0]) <= 3e-4);
 }
 
-TEST_CASE("a boundary without contrast is none", "[rte][boundary]") {
+TEST_CASE("a boundary without contrast is none, one of little contrast reflects at grazing angles",
+          "[rte][boundary]") {
     const rte::Directions directions{{0.2, 1.0}, {0.4, 0.9}, {0, 90}};
     rte::Stack plain;
     plain.base = rte::henyey_greenstein_optics(0.95, 0.7);
     plain.coats = {{rte::isotropic_optics(0.8), 0.3}};
     rte::Stack close = plain;
-    close.base_index = 1.0005;
-    close.coats[0].index = 1.0009;
+    close.base_index = 1.0 + 5e-8;
+    close.coats[0].index = 1.0 + 9e-8;
     close.boundary = rte::Boundary{};
     CHECK(rte::reflect(close, directions).reflection == rte::reflect(plain, directions).reflection);
+
+    // A black body returns what Fresnel's equations say, a sixth at mu .02.
+    const rte::Stack black = half_space(rte::isotropic_optics(0.0), 1.0009);
+    for (const double mu : {0.02, 0.2, 1.0}) {
+        const double n = 1.0009, inside = n * std::sqrt(1.0 - (1.0 - mu * mu) / (n * n));
+        const double across = (mu - inside) / (mu + inside);
+        const double along = (n * n * mu - inside) / (n * n * mu + inside);
+        const double expected = 0.5 * (across * across + along * along);
+        CHECK(std::abs(rte::albedo(black, {mu}).plane_albedo[0] / expected - 1.0) <= 1e-9);
+    }
 }
 
 TEST_CASE("boundaries refuse indices that they cannot have", "[rte][boundary]") {

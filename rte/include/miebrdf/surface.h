@@ -48,8 +48,9 @@ void validate(const SurfaceOptions& options);
 inline constexpr double kLeastIndex = 1.0;
 inline constexpr double kLargestIndex = 3.0;
 inline constexpr double kLeastRoughIndex = 1.05;  ///< behind a rough boundary
-/// A relative step of the index below this is no boundary.
-inline constexpr double kLeastIndexStep = 1e-3;
+/// A relative step of the index below this is no boundary: it changes light of cosine mu by about
+/// step / mu^2 of itself, which is 1e-5 at mu .1.
+inline constexpr double kLeastIndexStep = 1e-7;
 
 /// Where the matrices of a rough boundary come from.
 enum class BoundaryMatrices {
