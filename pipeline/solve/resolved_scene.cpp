@@ -45,7 +45,7 @@ void resolve_surface(const Scene& scene, Resolver& resolver, ResolvedScene& reso
         return;
     }
     const Medium& top = top_medium(scene);
-    if (needs_mie(top) && has_host(host_of(scene, top))) {
+    if (has_host(host_of(scene, top))) {
         resolved.surface_index = resolver.mirror(host_of(scene, top), resolved.wavelength_nm).index;
         name_surface_index(resolved, "the host " + describe(host_of(scene, top)), resolver);
         return;
@@ -82,6 +82,17 @@ const Host& top_host(const Scene& scene) {
     return is_bare_ground ? scene.particles.host : host_of(scene, top_medium(scene));
 }
 
+/// Whether anything between the particles has another index than air.
+bool refracts(const ResolvedScene& scene) {
+    const auto is_step = [](double n) { return std::abs(n - 1.0) >= rte::kLeastIndexStep; };
+    for (std::size_t w = 0; w < scene.wavelength_nm.size(); ++w) {
+        if (is_step(scene.top_index(w))) return true;
+        for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m)
+            if (is_step(scene.media[m].host_index[w])) return true;
+    }
+    return false;
+}
+
 void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
     resolved.boundary = scene.boundary;
     note_missing_boundary(scene, resolver);
@@ -104,10 +115,10 @@ void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& res
                 describe(resolved.media[m].medium), index, resolved.wavelength_nm[w]));
         }
     }
-    if (std::abs(resolved.top_index(0) - 1.0) < rte::kLeastIndexStep) {
+    if (!refracts(resolved)) {
         resolver.add_note(
-            "the boundary changes nothing: what lies between the particles of the top layer has "
-            "the index of air; give its host (in PMMA, host_index 1.5)");
+            "the boundary changes nothing: what lies between the particles has the index of air; "
+            "give its host (in PMMA, host_index 1.5)");
     }
 }
 

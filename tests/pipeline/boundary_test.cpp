@@ -62,6 +62,10 @@ TEST_CASE("a scene has a boundary or the paper's lobe", "[pipeline][boundary]") 
     CHECK_THROWS_WITH(solve(scene, {550}), Catch::Contains("1 to 3"));
     scene.particles.host = host("index:1");
     CHECK(has_note(solve(scene, {550}).albedo({1.0}), "changes nothing"));
+    // Air between the particles on top, glass below: the boundary lies deeper.
+    scene.layers = {layer("isotropic:0.5 in index:1@0.1")};
+    scene.base = medium("isotropic:0.9 in index:1.5");
+    CHECK_FALSE(has_note(solve(scene, {550}).albedo({1.0}), "changes nothing"));
 }
 
 TEST_CASE("layers follow the host's index over wavelength", "[pipeline][boundary]") {

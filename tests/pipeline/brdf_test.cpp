@@ -21,6 +21,7 @@ using namespace miebrdf;
 using support::few_directions;
 using support::scene_of;
 using support::under_surface;
+using support::value_at;
 
 namespace {
 
@@ -341,9 +342,12 @@ TEST_CASE("a medium without refractive index needs one for its surface",
           "[pipeline][brdf][errors]") {
     CHECK_THROWS_WITH(solve(under_surface(scene_of("hg:0.9,0.5")), {550}),
                       Catch::Contains("surface_index") && !Catch::Contains("--"));
-    CHECK(solve(under_surface(scene_of("hg:0.9,0.5"), 0.3, 1.5), {550})
-              .evaluate(few_directions())
-              .converged());
+    const Scene given = under_surface(scene_of("hg:0.9,0.5"), 0.3, 1.5);
+    CHECK(solve(given, {550}).evaluate(few_directions()).converged());
+    // A host is what the surface is of, whatever scatters in it.
+    const Scene hosted = under_surface(scene_of("hg:0.9,0.5 in index:1.5"));
+    const Direction d{0.3, 0.9, 70.0};
+    CHECK(value_at(solve(hosted, {550}), d) == value_at(solve(given, {550}), d));
 }
 
 TEST_CASE("what is out of range is refused before any work, with its field, value and range",
