@@ -76,6 +76,8 @@ std::string read_bytes(const std::filesystem::path& file) {
 std::string without_mark(std::string text, const std::string& file) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
         throw ImportError(file, 0, "is UTF-16 text; save it as UTF-8");
+    if (text.find('\0') != std::string::npos)
+        throw ImportError(file, 0, "holds binary data; allowed: text");
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
     return text;
 }

@@ -16,7 +16,7 @@ namespace miebrdf::materials {
 
 /// @throws ImportError  when it cannot be read or is larger than 256 MiB
 std::string read_bytes(const std::filesystem::path& file);
-/// The text without its byte-order mark. @throws ImportError  for UTF-16
+/// The text without its byte-order mark. @throws ImportError  for UTF-16 and what is no text
 std::string without_mark(std::string text, const std::string& file);
 
 /// A finite number with a decimal point or comma, "45 %" as 0.45; nothing for another text.

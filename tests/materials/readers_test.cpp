@@ -269,6 +269,8 @@ TEST_CASE("a byte-order mark changes nothing", "[materials][import]") {
     }
     CHECK_THROWS_WITH(read_file(folder.write("u.csv", std::string("\xff\xfen\0", 4))),
                       Catch::Contains("UTF-16"));
+    CHECK_THROWS_WITH(read_file(folder.write("z.csv", std::string("n,k\n1\0,2", 8))),
+                      Catch::Contains("z.csv") && Catch::Contains("binary"));
 }
 
 TEST_CASE("the unit that a file names counts, then the one that is given", "[materials][import]") {
