@@ -284,10 +284,12 @@ std::string message_of(const Error& error) {
         if (word.field.find('_') == std::string::npos) continue;              // an ordinary word
         for (std::size_t at = message.find(word.field); at != std::string::npos;
              at = message.find(word.field, at + 1)) {
-            // A comma without a space belongs to the header of a file.
+            // Quotes and a comma without a space belong to the header of a file, " =" to a line.
             const std::string next = message.substr(at + word.field.size(), 2);
-            if (next.empty() || next[0] != ',' || next == ", ")
-                message.replace(at, word.field.size(), option);
+            if ((at > 0 && message[at - 1] == '\'') || next == " =" ||
+                (!next.empty() && next[0] == ',' && next != ", "))
+                continue;
+            message.replace(at, word.field.size(), option);
         }
     }
     if (error.field() == "wavelength_nm" && dynamic_cast<const InputError*>(&error) != nullptr)
