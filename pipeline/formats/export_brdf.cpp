@@ -8,6 +8,7 @@
 
 #include "pipeline/formats/check/check.h"
 #include "pipeline/formats/common/export_job.h"
+#include "pipeline/formats/common/finite_source.h"
 #include "pipeline/io/atomic_file.h"
 
 namespace miebrdf {
@@ -214,10 +215,11 @@ std::vector<ExportedFile> export_tables(const Format& format, const ExportJob& j
 
 }  // namespace
 
-std::vector<ExportedFile> export_brdf(const BrdfSource& source, const Format& format,
+std::vector<ExportedFile> export_brdf(const BrdfSource& given, const Format& format,
                                       const fs::path& path, const ExportOptions& options,
                                       const Control& control) {
     if (format.files.empty()) refuse_content(format, "a BRDF");
+    const FiniteSource source(given);
     const ExportOptions ready = ready_options(format, options);
     require_ascending(format, source.wavelength_nm());
     const RgbSource rgb(source, colours_of(format, ready, source));

@@ -1,5 +1,6 @@
 // Export and its list of formats as a whole.
 #include <atomic>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include <miebrdf/control.h>
@@ -119,6 +120,51 @@ TEST_CASE("a lobe too sharp for the resolution is refused with the error and wha
                       Catch::Contains("near mirror") && Catch::Contains("no finer one"));
     const ExportOptions anything{.resolution = 8, .largest_error = 100};
     CHECK(export_brdf(sharp, "rgl", folder / "sharp.bsdf", anything).size() == 2);
+}
+
+TEST_CASE("a file of a black ground misses nothing", "[formats][brdf_export]") {
+    Scene black;
+    black.substrate = substrate("black");
+    const BrdfTable table = solve(black, {450, 550, 650}).table();
+    const support::TemporaryFolder folder;
+    const auto files = export_brdf(table, "pbrt", folder / "black.bsdf", {.resolution = 8});
+    for (const RegionDeviation& region : files[0].deviation->regions) {
+        CHECK(region.rms == 0.0);
+        CHECK(region.worst == 0.0);
+    }
+}
+
+namespace {
+
+/// Has a value that is no number where light comes in low.
+class Broken : public support::TestMaterial {
+  public:
+    explicit Broken(double bad) : TestMaterial({450, 550, 650}, 0.4), bad_(bad) {}
+
+  protected:
+    double lobe(const Direction& direction) const override {
+        return direction.mu_in < 0.4 ? bad_ : 0.0;
+    }
+
+  private:
+    double bad_;
+};
+
+}  // namespace
+
+TEST_CASE("values that are no numbers are refused with their direction, and no file appears",
+          "[formats][brdf_export]") {
+    const support::TemporaryFolder folder;
+    const double bad =
+        GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
+    for (const Format& format : all_formats()) {
+        if (format.files.empty()) continue;
+        CAPTURE(format.name);
+        const std::string path = folder / "broken";
+        CHECK_THROWS_WITH(export_brdf(Broken(bad), format.name, path, {.accept_error = true}),
+                          Catch::Contains("the BRDF is") && Catch::Contains("mu_in 0."));
+        CHECK(fs::is_empty(folder / ""));
+    }
 }
 
 TEST_CASE("what is refused is written where its error is accepted", "[formats][brdf_export]") {

@@ -126,6 +126,11 @@ namespace {
 
 enum class Measure { each, together };
 
+/// Nothing is missed where nothing is (a black ground).
+double relative_to(double least, double error, double truth) {
+    return error == 0.0 ? 0.0 : error / std::max(std::abs(truth), least);
+}
+
 /// The findings in one region: relative errors of each value, or of all values together.
 struct RegionSums {
     double squares = 0.0, values = 0.0;
@@ -156,7 +161,7 @@ RegionDeviation measure_region(const RegionDeviation& region, Measure measure, c
         for (std::size_t c = 0; c < channels; ++c) {
             if (std::isnan(found[c])) continue;
             const double truth = expected[d * channels + c], error = found[c] - truth;
-            const double relative = error / std::max(std::abs(truth), least);
+            const double relative = relative_to(least, error, truth);
             sums.squares += measure == Measure::each ? relative * relative : error * error;
             sums.values += measure == Measure::each ? 1.0 : truth * truth;
             if (std::abs(relative) <= std::abs(sums.region.worst)) continue;
@@ -216,7 +221,7 @@ Deviation measure_deviation(const BrdfFile& file, const BrdfSource& source,
         for (std::size_t c = 0; c < channels; ++c) {
             const double truth = expected[d * channels + c];
             const double error = found[c] - truth;
-            const double relative = error / std::max(std::abs(truth), tail * std::abs(mean));
+            const double relative = relative_to(tail * std::abs(mean), error, truth);
             deviation.largest = std::max(deviation.largest, std::abs(error) / mean);
             band.squares += relative * relative;
             band.values += 1.0;

@@ -8,6 +8,7 @@
 
 #include <miebrdf/colour.h>
 #include <miebrdf/error.h>
+#include "pipeline/formats/common/finite_source.h"
 
 namespace miebrdf {
 namespace {
@@ -67,6 +68,7 @@ RgbSource::RgbSource(const BrdfSource& source, RgbWeights weights)
 
 void RgbSource::evaluate(std::span<const Direction> directions, std::span<double> values) const {
     mix_->evaluate(directions, values);
+    require_finite(directions, values, channels_.size());
 }
 
 }  // namespace miebrdf
