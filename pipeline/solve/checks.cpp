@@ -54,8 +54,10 @@ std::vector<double> rest_for_phase(double tolerance, double mie_error_estimate,
     std::vector<double> rest;
     rest.reserve(transfer_errors.size());
     for (const double error : transfer_errors) {
-        rest.push_back(std::max(kPhaseShare * tolerance,
-                                kShareOfPoints * (tolerance - (mie_error_estimate + error))));
+        // Where transfer alone errs by more than the tolerance, points do not bring it below.
+        const double least = kPhaseShare * std::max(tolerance, error);
+        rest.push_back(
+            std::max(least, kShareOfPoints * (tolerance - (mie_error_estimate + error))));
     }
     return rest;
 }

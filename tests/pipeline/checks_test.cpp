@@ -61,11 +61,13 @@ TEST_CASE("converged is what both estimates together and transfer say", "[pipeli
     CHECK_FALSE(noisy.converged);
 }
 
-TEST_CASE("points of P get most of what transfer leaves at each value, four tenths at least",
-          "[pipeline][budget]") {
+TEST_CASE(
+    "points of P get most of what transfer leaves at each value, four tenths at least, and no "
+    "less than that of what transfer errs by",
+    "[pipeline][budget]") {
     const double nan = std::nan("");
     const auto rest = rest_for_phase(1e-3, 1e-4, {0.0, 2e-4, 5e-4, 0.7e-3, 3e-2, nan});
-    const std::vector<double> expected = {0.85 * 9e-4, 0.85 * 7e-4, 4e-4, 4e-4, 4e-4, 4e-4};
+    const std::vector<double> expected = {0.85 * 9e-4, 0.85 * 7e-4, 4e-4, 4e-4, 1.2e-2, 4e-4};
     REQUIRE(rest.size() == expected.size());
     for (std::size_t k = 0; k < rest.size(); ++k) CHECK(rest[k] == Approx(expected[k]));
 }
@@ -149,9 +151,13 @@ TEST_CASE("the noise that a result states covers its change with more sizes", "[
     const BrdfValues finer = solve(scene, {550}, options).evaluate(directions);
     const PhaseNoise noise = values.noisiest().phase_noise;
     REQUIRE(noise.largest > 0);
-    // Noisy directions are computed anew until they are good enough for the tolerance.
-    CHECK(noise.largest <= 0.5 * options.tolerance);
-    CHECK(finer.noisiest().phase_noise.largest <= 0.5 * options.tolerance);
+    // Noisy directions are computed anew until they are good enough for the tolerance, or for what
+    // 16 nodes err by.
+    const auto enough = [&](const BrdfValues& of) {
+        return 0.5 * std::max(options.tolerance, of.wavelengths[0].solver.error_estimate);
+    };
+    CHECK(noise.largest <= enough(values));
+    CHECK(finer.noisiest().phase_noise.largest <= enough(finer));
     double largest = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         double brightest = 0, change = 0;
