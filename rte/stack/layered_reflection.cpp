@@ -271,10 +271,17 @@ LightComparison compare_light(const Stack& stack, const Directions& directions,
         MultipleScattering without = sum({}), with = sum({3, true});
         numbers.physical = without.physical && with.physical;
         if (!numbers.physical) return;
-        FirstOrderSum(directions, options).add_to(without.reflection, scaled);
-        FirstOrderSum(directions, options, 3, 1).add_to(with.reflection, scaled);
-        numbers.values = std::move(without.reflection);
+        // Unpolarised light that nothing but particles meets shows no polarisation the first time.
+        const bool is_alike = !scaled.refracts() && !scaled.has_mirrors();
+        std::vector<double> first(without.reflection.size(), 0.0);
+        FirstOrderSum(directions, options).add_to(first, scaled);
         both.with = std::move(with.reflection);
+        if (!is_alike) FirstOrderSum(directions, options, 3, 1).add_to(both.with, scaled);
+        numbers.values = std::move(without.reflection);
+        for (std::size_t k = 0; k < first.size(); ++k) {
+            numbers.values[k] += first[k];
+            if (is_alike) both.with[k] += first[k];
+        }
     };
     solve_with_nodes(
         whole, options, options.streams,
