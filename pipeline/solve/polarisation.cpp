@@ -18,6 +18,7 @@
 #include "rte/boundary/fresnel_matrix.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
+#include "rte/stack/requests.h"
 
 namespace miebrdf {
 namespace {
@@ -276,6 +277,28 @@ double change_without(const LayerRequest& request, double allowed, const rte::St
     return is_enough ? by_particles : kMargin * change_found(request, stack, memory);
 }
 
+/// The same of light that mirrors, the bottom of a film or steps between hosts send back through a
+/// boundary, most of it without being scattered. Facets of a rough one are tilted by up to about
+/// twice the rms slope, by which the cosines at a smooth one differ.
+double change_of_mirrored(const rte::Stack& smooth, const Directions& directions,
+                          double roughness) {
+    constexpr double kLeastMu = 0.05;
+    const double tilt = std::atan(2.0 * roughness);
+    std::vector<double> cosines;
+    for (const std::vector<double>* list : {&directions.mu_in, &directions.mu_out}) {
+        for (const double mu : some_of(*list, kMostCosinesCompared)) {
+            const double angle = std::acos(mu);
+            for (const double facet : {std::max(angle - tilt, 0.0), angle, angle + tilt})
+                cosines.push_back(std::max(std::cos(facet), kLeastMu));
+        }
+    }
+    rte::ScaledStack memory;
+    std::vector<double> numbers, matrices;
+    rte::find_mirror_reflectances(smooth, cosines, {}, memory, numbers);
+    rte::find_mirror_reflectances(smooth, cosines, {3, true}, memory, matrices);
+    return kMargin * largest_change({numbers, matrices}, kLeastJudgedFlux);
+}
+
 LightChoice chosen_by(const LightChoice& unknown, double change) {
     if (change <= unknown.allowed) {
         return {.left_out = change,
@@ -372,10 +395,15 @@ class LightChooser {
         Memories memories;
         run_parallel("polarisation", optics.size(), control_, [&](std::size_t i) {
             rte::Stack stack = optics[i].stack;
-            if (stack.boundary) stack.boundary = rte::Boundary{};
+            double change = 0.0;
+            if (has_rough_boundary(request_.scene)) {
+                const double roughness = stack.boundary->roughness;
+                stack.boundary = rte::Boundary{};
+                change = change_of_mirrored(stack, request_.directions, roughness);
+            }
             const double allowed = share * choose_light(request_, wavelengths[i]).allowed;
-            changes[i] = {change_without(request_, allowed, stack, memories.local()),
-                          optics[i].converged};
+            change = std::max(change, change_without(request_, allowed, stack, memories.local()));
+            changes[i] = {change, optics[i].converged};
         });
         return changes;
     }
