@@ -120,8 +120,7 @@ void FirstOrderSum::evaluate(const FirstOrder& first_order) {
     }
 }
 
-void FirstOrderSum::add_to(std::vector<double>& reflection, const ScaledStack& stack,
-                           std::vector<double>* unresolved) {
+void FirstOrderSum::add_to(std::vector<double>& reflection, const ScaledStack& stack) {
     if (stack.boundary && stack.boundary->is_rough()) {
         add_outer_lobe(reflection, stack);
         if (stack.has_mirrors()) add_mirrored_lobe(reflection, directions_, stack);
@@ -132,7 +131,7 @@ void FirstOrderSum::add_to(std::vector<double>& reflection, const ScaledStack& s
     if (!exact || (back_.phase.empty() && back_.matrix.empty())) evaluate(first_order);
     const bool straight = first_order.is_straight();
     std::vector<double> narrow;  // no narrow features are known of light that mirrors return
-    if (exact && straight) narrow = narrow_change(first_order, unresolved);
+    if (exact && straight) narrow = narrow_change(first_order);
 
     const std::size_t media = stack.media.size(), azimuths = cos_azimuth_.size();
     const std::size_t directions = pairs() * azimuths;
@@ -158,8 +157,6 @@ void FirstOrderSum::add_to(std::vector<double>& reflection, const ScaledStack& s
                                (is_polarised_ ? forward_.matrix[at].a1 : forward_.phase[at]);
                     if (!narrow_.empty()) change -= weights[k].back * narrow_phase_[at];
                 }
-                if (unresolved != nullptr && !unresolved->empty())
-                    (*unresolved)[direction] *= factor;
                 if (!is_polarised_) {
                     reflection[direction] += sum + change;
                     continue;
@@ -182,8 +179,7 @@ void FirstOrderSum::add_to(std::vector<double>& reflection, const ScaledStack& s
     }
 }
 
-std::vector<double> FirstOrderSum::narrow_change(const FirstOrder& first_order,
-                                                 std::vector<double>* unresolved) {
+std::vector<double> FirstOrderSum::narrow_change(const FirstOrder& first_order) {
     const std::vector<ScaledMedium>& media = first_order.stack().media;
     if (!has_kept_narrow(media)) {
         inside_ = refracted(directions_, first_order.stack().top_index);
@@ -198,10 +194,7 @@ std::vector<double> FirstOrderSum::narrow_change(const FirstOrder& first_order,
     GloryCorrection narrow({&media, 1}, mu_least_, kGloryShare * options_.tolerance,
                            {.end = first_kept_});
     if (worth_a_table(change.size())) narrow.tabulate();
-    const bool wanted = unresolved != nullptr && narrow.has_unresolved();
-    if (wanted) unresolved->assign(change.size(), 0.0);
-    narrow.add_to(change.data(), inside_.mu_in, inside_.mu_out, cos_azimuth_,
-                  wanted ? unresolved->data() : nullptr);
+    narrow.add_to(change.data(), inside_.mu_in, inside_.mu_out, cos_azimuth_);
     return change;
 }
 
@@ -224,8 +217,7 @@ void FirstOrderSum::keep_narrow(const std::vector<ScaledMedium>& media) {
     // degree.
     constexpr int least = 128;
     first_kept_ = std::max(least, 2 * most_moments(media));
-    constexpr int worth = 2;  // times as many
-    if (narrow_degrees(media).end < worth * first_kept_) {
+    if (narrow_degrees(media).end <= first_kept_) {
         first_kept_ = std::numeric_limits<int>::max();
         return;
     }

@@ -33,10 +33,7 @@ class FirstOrderSum {
     /// @param reflection  [((in * mu_out.size() + out) * c^2 + row * c + column) *
     ///                    azimuth_deg.size() + azimuth], added to
     /// @param stack       the same at every call; delta-M may differ
-    /// @param unresolved  null, or set to the part of narrow features that the nodes do not
-    ///                    resolve, known but roughly; empty: there is none
-    void add_to(std::vector<double>& reflection, const ScaledStack& stack,
-                std::vector<double>* unresolved = nullptr);
+    void add_to(std::vector<double>& reflection, const ScaledStack& stack);
 
   private:
     /// P or F of each medium at each direction, [medium * directions + direction].
@@ -48,8 +45,7 @@ class FirstOrderSum {
     void add_outer_lobe(std::vector<double>& reflection, const ScaledStack& stack) const;
     void evaluate(const FirstOrder& first_order);
     /// The change by narrow features, without the boundary.
-    std::vector<double> narrow_change(const FirstOrder& first_order,
-                                      std::vector<double>* unresolved);
+    std::vector<double> narrow_change(const FirstOrder& first_order);
     /// Whether these media, too, have what is kept.
     bool has_kept_narrow(const std::vector<ScaledMedium>& media) const;
     void keep_narrow(const std::vector<ScaledMedium>& media);

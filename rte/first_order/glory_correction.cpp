@@ -56,17 +56,15 @@ Eigen::MatrixXd strengths_at(const std::vector<GloryStrengths>& stacks,
     return strengths;
 }
 
-// Adds the sum over k >= first of weights times values [k * stacks + stack], for each stack.
+// Adds the sum over k of weights times values [k * stacks + stack], for each stack.
 template <typename Values>
-void add_weighted(const Values& values, const Eigen::VectorXd& weights, Eigen::Index first,
-                  double* sums) {
+void add_weighted(const Values& values, const Eigen::VectorXd& weights, double* sums) {
     const Eigen::Index stacks = values.size() / weights.size();
     if (stacks == 1) {
-        const Eigen::Index count = weights.size() - first;
-        *sums += values.reshaped().tail(count).dot(weights.tail(count));
+        *sums += values.reshaped().dot(weights);
         return;
     }
-    for (Eigen::Index k = first; k < weights.size(); ++k) {
+    for (Eigen::Index k = 0; k < weights.size(); ++k) {
         for (Eigen::Index stack = 0; stack < stacks; ++stack)
             sums[stack] += weights[k] * values[k * stacks + stack];
     }
@@ -273,11 +271,11 @@ void GloryCorrection::weights_at(double mu_in, double mu_out, Eigen::VectorXd& w
 }
 
 void GloryCorrection::add_to(double* reflection, std::span<const double> mu_in,
-                             std::span<const double> mu_out, std::span<const double> cos_azimuth,
-                             double* unresolved) const {
+                             std::span<const double> mu_out,
+                             std::span<const double> cos_azimuth) const {
     if (none()) return;
     if (table_) {
-        add_from_table(reflection, mu_in, mu_out, cos_azimuth, unresolved);
+        add_from_table(reflection, mu_in, mu_out, cos_azimuth);
         return;
     }
     std::vector<double> angles;
@@ -294,20 +292,15 @@ void GloryCorrection::add_to(double* reflection, std::span<const double> mu_in,
     for (const double in : mu_in) {
         for (const double out : mu_out) {
             weights_at(in, out, weights);
-            for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k) {
-                const std::size_t place = std::size_t(k) * stacks_;
-                add_weighted(sums.row(k), weights, 0, &reflection[place]);
-                if (unresolved != nullptr)
-                    add_weighted(sums.row(k), weights, first_unresolved(), &unresolved[place]);
-            }
+            for (std::size_t a = 0; a < cos_azimuth.size(); ++a, ++k)
+                add_weighted(sums.row(k), weights, &reflection[std::size_t(k) * stacks_]);
         }
     }
 }
 
 void GloryCorrection::add_from_table(double* reflection, std::span<const double> mu_in,
                                      std::span<const double> mu_out,
-                                     std::span<const double> cos_azimuth,
-                                     double* unresolved) const {
+                                     std::span<const double> cos_azimuth) const {
     Scratch scratch;
     std::vector<double> angles(cos_azimuth.size());
     for (const double in : mu_in) {
@@ -316,26 +309,21 @@ void GloryCorrection::add_from_table(double* reflection, std::span<const double>
             std::transform(
                 cos_azimuth.begin(), cos_azimuth.end(), angles.begin(),
                 [&](double cosine) { return std::acos(cos_scattering_angle(in, out, cosine)); });
-            add_at(reflection, in, out, angles, scratch, unresolved);
+            add_at(reflection, in, out, angles, scratch);
             reflection += angles.size() * stacks_;
-            if (unresolved != nullptr) unresolved += angles.size() * stacks_;
         }
     }
 }
 
 void GloryCorrection::add_at(double* reflection, double mu_in, double mu_out,
-                             std::span<const double> scattering_angles, Scratch& scratch,
-                             double* unresolved) const {
+                             std::span<const double> scattering_angles, Scratch& scratch) const {
     if (none()) return;
     scratch.values.resize(strengths_.rows());
     weights_at(mu_in, mu_out, scratch.weights);
     for (const double angle : scattering_angles) {
         table_->evaluate(angle, scratch.values);
-        add_weighted(scratch.values, scratch.weights, 0, reflection);
+        add_weighted(scratch.values, scratch.weights, reflection);
         reflection += stacks_;
-        if (unresolved == nullptr) continue;
-        add_weighted(scratch.values, scratch.weights, first_unresolved(), unresolved);
-        unresolved += stacks_;
     }
 }
 

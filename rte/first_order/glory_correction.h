@@ -122,7 +122,6 @@ class GloryCorrection {
                     NarrowSum sum = NarrowSum::correction);
 
     bool none() const { return strengths_.size() == 0; }
-    bool has_unresolved() const { return at_pairs_.cols() > 0; }
     std::size_t stacks() const { return stacks_; }
 
     /// Makes a table in Theta (worth_a_table).
@@ -130,9 +129,8 @@ class GloryCorrection {
 
     /// Adds the correction to R at all combinations of cosines, none below mu_least, and azimuths:
     /// reflection[((i * mu_out.size() + o) * cos_azimuth.size() + a) * stacks() + stack].
-    /// @param unresolved  null, or as reflection: the part of that which the nodes do not resolve
     void add_to(double* reflection, std::span<const double> mu_in, std::span<const double> mu_out,
-                std::span<const double> cos_azimuth, double* unresolved = nullptr) const;
+                std::span<const double> cos_azimuth) const;
 
     /// Memory of one sum that the next one can use.
     struct Scratch {
@@ -141,8 +139,7 @@ class GloryCorrection {
     /// Adds it after tabulate() at one pair of cosines, where the angles of scattering are known:
     /// reflection[a * stacks() + stack].
     void add_at(double* reflection, double mu_in, double mu_out,
-                std::span<const double> scattering_angles, Scratch& scratch,
-                double* unresolved = nullptr) const;
+                std::span<const double> scattering_angles, Scratch& scratch) const;
 
   private:
     /// Functions of q, by Chebyshev points in log q, and the coefficients of P_l of each.
@@ -160,15 +157,9 @@ class GloryCorrection {
     /// Adds what the nodes do not resolve, with functions of q and of both cosines.
     void add_unresolved(const std::vector<GloryStrengths>& stacks, bool one_q);
     void add_from_table(double* reflection, std::span<const double> mu_in,
-                        std::span<const double> mu_out, std::span<const double> cos_azimuth,
-                        double* unresolved) const;
+                        std::span<const double> mu_out, std::span<const double> cos_azimuth) const;
     /// The functions of a pair of cosines, divided by 4 (mu_in + mu_out).
     void weights_at(double mu_in, double mu_out, Eigen::VectorXd& weights) const;
-
-    /// Where the functions of what is not resolved begin.
-    Eigen::Index first_unresolved() const {
-        return strengths_.rows() / Eigen::Index(stacks_) - at_pairs_.cols();
-    }
 
     std::size_t stacks_ = 0;
     double log_q_middle_ = 0.0;

@@ -13,9 +13,9 @@ namespace {
 // digits (docs/numerics.md).
 constexpr double kDeflateBelow = 1e-3;
 
-// Up to this FourierMedium::strongest two steps of refinement may do (measured at tolerances of
-// 1e-5 to 1e-7, HG 0.7 and 0.8).
-constexpr double kScattersLittle = 0.05;
+// A step of refinement rotates eigenmodes by no more than this, and the last one by no more than
+// the root of rounding: its square is the error that is left.
+constexpr double kSteepest = 1e-3, kRefined = 1e-8;
 
 // The eigensolver alone leaves so much in X of an order above 0 (measured: Rayleigh, HG 0.75 and
 // 0.99, albedo 0.5 to 1, optical depth 0.01 to 100, 16 to 256 nodes; docs/numerics.md). Order 0 has
@@ -87,22 +87,22 @@ const ScatteringKernels& EigenmodeSolver::form_kernels(const FourierMode& mode,
 // (lambda_j - lambda_i). Householder reduction mixes rows of very different size (1/mu^2 spans 14
 // decades on a fine mapped grid) and leaves 1e-12 to 1e-8 in the slow eigenmodes; this takes them
 // back to rounding for a few matrix products (docs/numerics.md). Returns the largest correction;
-// its square is the error that is left. `steepest`: as of find_correction.
-double EigenmodeSolver::refine(double steepest) {
+// its square is the error that is left.
+double EigenmodeSolver::refine() {
     Eigen::MatrixXd& F = eigenmodes_.vectors;
     VF_.noalias() = eigenmodes_.odd * F;
     R_.noalias() = -F.transpose() * VF_;
     R_.diagonal().array() += 1.0;
-    const double largest = find_correction(steepest);
+    const double largest = find_correction();
     product_.noalias() = F * R_;
     F += product_;
     return largest;
 }
 
 // From R and V F: the rates, and E in place of R. Returns the largest element of E.
-// Rates closer than 1 / `steepest` of their coupling need no rotation: any function is the same
-// for both.
-double EigenmodeSolver::find_correction(double steepest) {
+// Rates closer than a thousand times their coupling are rotated by no first-order step: any
+// function is nearly the same for both.
+double EigenmodeSolver::find_correction() {
     Eigen::VectorXd& rates_squared = eigenmodes_.rates;
     const Eigen::Index n = R_.rows();
     product_.noalias() = U_ * VF_;
@@ -113,31 +113,10 @@ double EigenmodeSolver::find_correction(double steepest) {
         auto E = R_.col(j).array();
         const auto rotation = S_.col(j).array() + rates_squared[j] * E;
         const auto gap = rates_squared[j] - rates_squared.array();
-        E = (rotation.abs() < steepest * gap.abs()).select(rotation / gap, 0.5 * E);
+        E = (rotation.abs() < kSteepest * gap.abs()).select(rotation / gap, 0.5 * E);
         largest = std::max(largest, E.abs().maxCoeff());
     }
     return largest;
-}
-
-// Where little is scattered the eigenmodes are nearly the nodes themselves, F = M^(1/2) and k = 1 /
-// mu, and refinement from there takes less than an eigenproblem. False if it does not converge.
-bool EigenmodeSolver::refine_nodes(const ZenithGrid& grid, double tolerance) {
-    const Eigen::Index n = grid.size();
-    root_ = grid.mu.cwiseSqrt();
-    for (Eigen::MatrixXd* square : {&product_, &VF_, &R_, &S_}) square->resize(n, n);
-    eigenmodes_.rates.resize(n);
-    VF_ = eigenmodes_.odd * root_.asDiagonal();
-    R_ = -(root_.asDiagonal() * VF_);
-    R_.diagonal().array() += 1.0;
-    constexpr double steepest = 1.0;
-    double largest = find_correction(steepest);
-    if (!(std::pow(largest, 6) <= tolerance)) return false;  // an eigenproblem is cheaper
-    R_.diagonal().array() += 1.0;
-    eigenmodes_.vectors = root_.asDiagonal() * R_;
-    for (int step = 0; step < 2 && largest * largest > tolerance; ++step) {
-        largest = refine(steepest);
-    }
-    return largest * largest <= tolerance && eigenmodes_.rates.minCoeff() > 0.0;
 }
 
 // The others become V-orthogonal to it.
@@ -169,15 +148,6 @@ const Eigenmodes& EigenmodeSolver::find_from_kernels(const FourierMode& mode,
     eigenmodes_.even.diagonal() += grid.mu.cwiseInverse();
     eigenmodes_.odd = -kernels_.odd;
     eigenmodes_.odd.diagonal() += grid.mu.cwiseInverse();
-    // Rows of one node start with one rate: no way to tell their eigenmodes apart.
-    if (mode.fourier_order > 0 && mode.rows_per_node == 1 && medium.strongest() < kScattersLittle) {
-        U_ = eigenmodes_.even;
-        eigenmodes_.physical = refine_nodes(grid, 0.01 * tolerance);
-        if (eigenmodes_.physical) {
-            eigenmodes_.rates = eigenmodes_.rates.cwiseSqrt();
-            return eigenmodes_;
-        }
-    }
     L_ = eigenmodes_.odd;
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> V_factor(L_);
     if (V_factor.info() != Eigen::Success) return eigenmodes_;
@@ -207,7 +177,7 @@ const Eigenmodes& EigenmodeSolver::find_from_kernels(const FourierMode& mode,
         left_by_eigensolver(n / mode.rows_per_node) <= kIterationShare * tolerance;
     const int steps = is_good_enough ? 0 : 4;
     for (int step = 0; step < steps; ++step) {
-        if (refine(1e-3) <= 1e-8) break;
+        if (refine() <= kRefined) break;
     }
     eigenmodes_.rates = eigenmodes_.rates.cwiseMax(0.0).cwiseSqrt();
     if (deflate) append_diffusion();

@@ -90,9 +90,8 @@ class EigenmodeSolver {
     }
 
   private:
-    bool refine_nodes(const ZenithGrid& grid, double tolerance);
-    double refine(double steepest);
-    double find_correction(double steepest);
+    double refine();
+    double find_correction();
     void append_diffusion();
 
     Eigenmodes eigenmodes_;
@@ -102,7 +101,6 @@ class EigenmodeSolver {
     DiffusionEigenmode diffusion_;
     Eigen::VectorXd Vf_;
     Eigen::RowVectorXd overlaps_;
-    Eigen::VectorXd root_;  ///< of the nodes
     math::SymmetricEigen eigen_;
 };
 

@@ -71,12 +71,6 @@ std::size_t most_usable_moments(const Stack& stack) {
     return most;
 }
 
-// A phase function with so much beyond degree n that the error does not yet fall geometrically with
-// the number of nodes.
-bool converges_slowly(const Stack& stack, int streams) {
-    return largest_moment(stack, 2 * streams) > kSlowAbove;
-}
-
 // Degrees up to the last one that shows, in any medium.
 std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) {
     constexpr std::size_t least = 4;
@@ -180,10 +174,6 @@ bool traps_light(const Stack& stack) {
     return stack.boundary.has_value() || stack.base_kind == BaseKind::mirror;
 }
 
-// Narrow features that the nodes do not resolve err by no less than this share of themselves,
-// however well two solutions agree.
-constexpr double kUnresolvedShare = 0.5;
-
 // The factor by which solutions that are `apart` may gain at most.
 double least_gain(double apart, int coarse, int fine) {
     const double farther = double(fine) / coarse - 1.0;
@@ -202,12 +192,10 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
                       bool has_backwards, double tolerance) {
     SolverReport& report = fine.report;
     const bool by_chance = slow || !has_many;
-    const bool has_glory = has_backwards && !judged.near_backwards.empty() &&
-                           (!coarsest.unresolved.empty() || !fine.unresolved.empty());
+    const bool has_glory =
+        has_backwards && !judged.near_backwards.empty() && (coarsest.has_glory || fine.has_glory);
     const auto last_at = [&](std::size_t k, double scale) {
-        double last = difference(coarse.values[k], fine.values[k], scale);
-        if (!fine.unresolved.empty())
-            last = std::max(last, kUnresolvedShare * difference(0.0, fine.unresolved[k], scale));
+        const double last = difference(coarse.values[k], fine.values[k], scale);
         if (!coarsest.physical || !by_chance) return last;
         const double both = difference(coarsest.values[k], fine.values[k], scale);
         return std::max(last, least_difference(both, slow, has_glory && judged.near_backwards[k]));
@@ -286,6 +274,10 @@ int fewest_carrying(std::span<const int> ladder, const Stack& stack, const Solve
 
 }  // namespace
 
+bool converges_slowly(const Stack& stack, int streams) {
+    return largest_moment(stack, 2 * streams) > kSlowAbove;
+}
+
 int first_streams(double tolerance) { return tolerance >= 1e-4 ? 12 : 16; }
 
 int moments_per_node(int streams) { return streams < 4 ? 2 : streams < 12 ? 3 : 4; }
@@ -305,7 +297,6 @@ void Solution::clear() {
     values.clear();
     plane_albedo.clear();
     polarised_plane_albedo.clear();
-    unresolved.clear();
     errors.clear();
     std::string method = std::move(report.method);
     report = {};
@@ -313,6 +304,7 @@ void Solution::clear() {
     report.method.clear();
     steps_converged = false;
     physical = false;
+    has_glory = false;
 }
 
 // With too many moments for the nodes the discrete equations have no physical solution: fewer then.

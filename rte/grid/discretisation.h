@@ -29,6 +29,10 @@ int moments_per_node(int streams);
 /// Nodes that the automatic choice begins with for media of more than a few moments.
 int first_streams(double tolerance);
 
+/// Whether a phase function has so much beyond degree n that the error does not yet fall
+/// geometrically with the number of nodes.
+bool converges_slowly(const Stack& stack, int streams);
+
 /// Grid and moments for a given number of nodes. Of moments that fall off no more are kept than the
 /// tolerance shows.
 Discretisation choose_discretisation(const Stack& stack, const SolverOptions& options, int streams);
@@ -38,14 +42,12 @@ struct Solution {
     std::vector<double> values;        ///< reflection, or plane albedos and the spherical albedo
     std::vector<double> plane_albedo;  ///< beside a reflection
     std::vector<double> polarised_plane_albedo = {};  ///< likewise, of Stokes vectors
-    /// The part of each value that the nodes do not resolve and that is known but roughly; empty:
-    /// none.
-    std::vector<double> unresolved = {};
     /// The estimated error of each value, relative to the largest of its block; never NaN.
     std::vector<double> errors = {};
     SolverReport report;
     bool steps_converged = false;  ///< all but the comparison with other numbers of nodes
     bool physical = false;
+    bool has_glory = false;  ///< narrow features that the nodes do not resolve all of
 
     void clear();
 };

@@ -8,9 +8,6 @@
 namespace miebrdf::rte {
 namespace {
 
-// Few values of phase functions with more than this at the typical number of nodes get probes.
-constexpr double kProbedAbove = 1e-3;
-constexpr int kTypicalStreams = 24;  // where the tolerance decides
 // Requests of at most so many values, or of fewer pairs of cosines, get probes.
 constexpr std::size_t kFew = 16;
 constexpr double kProbeOffsets_deg[] = {3.0, 6.0, 12.0};
@@ -22,8 +19,8 @@ AzimuthProbes::AzimuthProbes(const Stack& stack, const Directions& asked,
                              const SolverOptions& options)
     : directions_(asked), azimuths_(asked.azimuth_deg.size()) {
     const bool are_few = asked.mu_in.size() * asked.mu_out.size() * azimuths_ <= kFew;
-    const int streams = options.streams > 0 ? options.streams : kTypicalStreams;
-    if (!are_few || largest_moment(stack, streams) <= kProbedAbove) return;
+    const int streams = options.streams > 0 ? options.streams : first_streams(options.tolerance);
+    if (!are_few || !converges_slowly(stack, streams)) return;
     for (const double azimuth : asked.azimuth_deg) {
         for (const double offset : kProbeOffsets_deg) {
             directions_.azimuth_deg.push_back(azimuth + offset);

@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 
+#include "rte/first_order/first_order.h"
 #include "rte/first_order/glory_correction.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/stack_solver.h"
@@ -17,15 +18,17 @@ namespace {
 
 // Slower series are not trusted to be geometric.
 constexpr double kSlowestRatio = 0.7;
-// The rest of a series that is not geometric, in terms of the larger of its last two.
-constexpr double kSeveral = 2.5;
 // Orders in a row that must agree with those of a coarser solution before the rest is taken over.
 constexpr int kEnoughAlike = 2;
 
-// Degrees beyond which features have fallen to this share of the tolerance are not looked at.
-constexpr double kFeaturesEndShare = 0.1;
-
 double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
+
+// The rest of a geometric series of orders above 0, which count twice, in terms of the last. There
+// are no more than those of a boundary.
+double rest_of_series(double fall) {
+    const double most = kMostBoundaryOrders;
+    return 2.0 * (fall < 1.0 ? std::min(fall / (1.0 - fall), most) : most);
+}
 
 }  // namespace
 
@@ -97,10 +100,9 @@ double FeatureOrders::beyond(int m) const {
 std::vector<int> FeatureOrders::probes(int m, double scale, double tolerance) const {
     std::vector<int> orders;
     if (!(scale * beyond(m) > tolerance)) return orders;
-    int last = m + 1;  // where what lies beyond has fallen to a tenth of the tolerance
+    int last = m + 1;  // where what lies beyond has fallen to the tolerance
     for (int step = int(strengths_.size()); step > 0; step /= 2) {
-        if (last + step < int(strengths_.size()) &&
-            scale * beyond(last + step) > kFeaturesEndShare * tolerance)
+        if (last + step < int(strengths_.size()) && scale * beyond(last + step) > tolerance)
             last += step;
     }
     for (const double share : {0.2, 0.4, 0.6, 0.8}) {
@@ -111,8 +113,6 @@ std::vector<int> FeatureOrders::probes(int m, double scale, double tolerance) co
 }
 
 double FourierTail::remaining_of_dipping(double largest) {
-    // Slower ones end like the transform of a lobe, faster and faster.
-    constexpr double slowest = 0.95;
     recent_[std::size_t(count_ % (2 * kDip))] = largest;
     double now = 0.0, before = 0.0;
     for (int back = 0; back < 2 * kDip && back <= count_; ++back) {
@@ -120,20 +120,16 @@ double FourierTail::remaining_of_dipping(double largest) {
         group = std::max(group, recent_[std::size_t((count_ - back) % (2 * kDip))]);
     }
     const double size = ratio(now, order_zero_);
-    if (count_ + 1 < 2 * kDip) return kSeveral * size;
-    const double fall = std::min(slowest, std::pow(ratio(now, before), 1.0 / kDip));
-    return size * std::max(kSeveral, 2.0 * fall / (1.0 - fall));
+    const double fall = count_ + 1 < 2 * kDip ? 0.0 : std::pow(ratio(now, before), 1.0 / kDip);
+    return size * rest_of_series(std::max(kSlowestRatio, fall));
 }
 
 bool FourierTail::ends_with(double largest) {
     if (count_ == 0) order_zero_ = largest;
     const double fall = std::max(ratio(largest, last_), ratio(last_, before_last_));
     const bool is_geometric = count_ >= 3 && fall <= kSlowestRatio;
-    remaining_ = kSeveral * ratio(std::max(largest, count_ > 0 ? last_ : largest), order_zero_);
-    if (is_geometric) {
-        const double envelope = std::max(largest, fall * last_);
-        remaining_ = 2.0 * ratio(envelope, order_zero_) * fall / (1.0 - fall);
-    }
+    const double envelope = std::max(largest, is_geometric ? fall * last_ : last_);
+    remaining_ = ratio(envelope, order_zero_) * rest_of_series(is_geometric ? fall : kSlowestRatio);
     if (may_dip_) remaining_ = remaining_of_dipping(largest);
     if (order_zero_ == 0.0) remaining_ = 0.0;
     const bool ends = count_ > 0 && remaining_ <= tolerance_;

@@ -22,8 +22,6 @@ namespace {
 constexpr double kSafety = 100.0;
 // Enough for transmissions to some per cent, which is all that a yes or no needs.
 constexpr int kStreams = 16;
-// Differences below this are rounding of the solver: nothing is left to see.
-constexpr double kDarkest = 1e-13;
 constexpr double kDeepestCoat = 1e100;
 
 double largest(const std::vector<double>& cosines) {
@@ -100,7 +98,9 @@ bool hides_what_is_below(const Optics& coat, double optical_depth, const Directi
     for (std::size_t i = 0; i < incident; ++i) {
         if (albedo_only && !is_below(visible(i), brightest[i])) return false;
         for (std::size_t o = incident; o < cosines.size(); ++o) {
-            const double change = visible(i) * visible(o) / std::max(mean, kDarkest);
+            // Differences of this size are rounding: nothing is left to see.
+            const double change =
+                visible(i) * visible(o) / std::max(mean, std::numeric_limits<double>::epsilon());
             if (!is_below(change, brightest[i])) return false;
         }
     }
@@ -125,20 +125,16 @@ double least_brightness(const std::vector<ScaledMedium>& media, const Directions
 }
 
 double least_brightness(const ScaledStack& stack, const Directions& directions) {
-    if (!stack.refracts()) return least_brightness(stack.media, directions);
-    constexpr double boundary_returns = 0.01;
-    return boundary_returns * least_brightness(stack.media, refracted(directions, stack.top_index));
+    return least_brightness(stack.media,
+                            stack.refracts() ? refracted(directions, stack.top_index) : directions);
 }
 
 bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_depth,
                             double allowed) {
     // With q = strongest(): U and V (eigenmodes.h) are at least (1 - q) M^-1, so that nothing
-    // decays more slowly than exp(-(1 - q) tau). Down and up, times 4 for what the coat reflects
-    // itself.
-    constexpr double kCoatReflects = 4.0;
+    // decays more slowly than exp(-(1 - q) tau), down and up.
     const double slowest = 1.0 - coat.strongest();
-    return slowest > 0.0 &&
-           kCoatReflects * std::exp(-2.0 * slowest * scaled_optical_depth) <= allowed;
+    return slowest > 0.0 && std::exp(-2.0 * slowest * scaled_optical_depth) <= allowed;
 }
 
 bool is_bottomless(double optical_depth) { return std::isinf(optical_depth); }

@@ -36,8 +36,8 @@ bool hides_what_is_below(const Optics& coat, double optical_depth, const Directi
 /// @param media  from the bottom up
 double least_brightness(const std::vector<ScaledMedium>& media, const Directions& directions);
 
-/// The bound for a stack seen from above its boundary: what comes out is less than what is inside
-/// by no more than a factor, and returns to where layers may hide others as often (index 3).
+/// The bound inside a stack below a boundary: what is scattered once and what hidden layers would
+/// add to it leave through the same surface.
 double least_brightness(const ScaledStack& stack, const Directions& directions);
 
 /// Whether a coat counts as a half-space in one Fourier order: a bound, asked by the solver of

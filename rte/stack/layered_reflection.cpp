@@ -20,41 +20,12 @@
 namespace miebrdf::rte {
 namespace {
 
-/// At the zenith all waves of P_l are along the zenith angle, so that nodes which resolve a degree
-/// in part elsewhere do not resolve it there at all (maths-rte.md, section 8). So sharp a change is
-/// left out of the values, where tables could not follow it, but not of what is known but roughly.
-/// @return how much more that is
-double more_unresolved_at_zenith(const ScaledStack& stack) {
-    double most = 1.0;
-    for (const ScaledMedium& medium : stack.media) {
-        double in_values = 0.0, at_zenith = 0.0;
-        const auto degrees =
-            std::min(medium.unresolved_shares.size() / kResolvedAngles,
-                     std::size_t(medium.narrow.first_degree) + medium.narrow.structure.size());
-        for (auto l = std::size_t(medium.narrow.first_degree); l < degrees; ++l) {
-            const double share = medium.unresolved_shares[l * kResolvedAngles];
-            const double structure =
-                medium.narrow.structure[l - std::size_t(medium.narrow.first_degree)];
-            const double size = (2.0 * double(l) + 1.0) * std::abs(structure);
-            in_values += share * size;
-            at_zenith += share > 0.0 ? size : 0.0;
-        }
-        if (in_values > 0.0) most = std::max(most, at_zenith / in_values);
-    }
-    return most;
-}
-
-void add_at_zenith(const Directions& directions, double factor, std::vector<double>& unresolved) {
-    const double near_zenith = std::cos(5.0 * std::numbers::pi / 180.0);
-    auto value = unresolved.begin();
-    for (const double in : directions.mu_in) {
-        for (const double out : directions.mu_out) {
-            const auto end = value + std::ptrdiff_t(directions.azimuth_deg.size());
-            for (; value != end; ++value) {
-                if (std::min(in, out) >= near_zenith) *value *= factor;
-            }
-        }
-    }
+/// Whether media have narrow features that the nodes do not resolve all of.
+bool has_glory(const ScaledStack& stack) {
+    return !stack.has_mirrors() &&
+           std::any_of(stack.media.begin(), stack.media.end(), [](const ScaledMedium& medium) {
+               return !medium.unresolved_shares.empty();
+           });
 }
 
 /// Values within this of retro-reflection are judged by all differences of solutions.
@@ -119,10 +90,8 @@ void reflect_with(const Request& request, const Discretisation& discretisation,
             std::max(solution.report.error_estimate, kEquationShare * options.tolerance);
     }
     if (!solution.physical) return;
-    first_order.add_to(solution.values, scaled,
-                       request.light.components == 1 ? &solution.unresolved : nullptr);
-    if (!solution.unresolved.empty())
-        add_at_zenith(request.directions, more_unresolved_at_zenith(scaled), solution.unresolved);
+    first_order.add_to(solution.values, scaled);
+    solution.has_glory = has_glory(scaled);
 }
 
 // `worst_value` counts as ReflectionTable::reflection does.
@@ -144,10 +113,7 @@ void name_worst_direction(const Directions& directions, std::size_t elements,
 // not lower it.
 void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack, double tolerance,
                           ReflectionTable& table) {
-    const bool has_glory =
-        std::any_of(stack.media.begin(), stack.media.end(),
-                    [](const ScaledMedium& medium) { return !medium.unresolved_shares.empty(); });
-    if (!has_glory || stack.has_mirrors()) return;
+    if (!has_glory(stack)) return;
     const std::vector<bool> back = near_retro_reflection(directions, kStraightBackDeg);
     const auto elements = std::size_t(table.components * table.components);
     const std::size_t azimuths = directions.azimuth_deg.size();
