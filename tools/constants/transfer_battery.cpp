@@ -1,9 +1,13 @@
 // Errors of radiative transfer, against many more nodes at a tolerance of 1e-7: as
 // ensemble_battery has them for averages over sizes.
 //
-//     transfer_battery TRUTH [PART...]     PART: media, coats, smooth, rough, spheres
+//     transfer_battery TRUTH [PART...]
 //
-// TRUTH is a file that holds the reference; it is made if it is not there (minutes).
+// PART: media, coats, smooth, rough, spheres; rare-media, rare-coats, rare-smooth, rare-spheres:
+// peaks up to g = .995, thin and deep and dark layers, steps of the index, grazing directions;
+// rare-glories: spheres near retro-reflection; rare-values: single values of such media; hidden:
+// what is lost where layers are taken to be hidden.
+// TRUTH-PART is a file that holds the reference; it is made if it is not there.
 #include <miebrdf/ensemble.h>
 #include <miebrdf/transfer.h>
 
@@ -12,8 +16,10 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "rte/stack/hidden_layers.h"
 #include "tools/constants/tally.h"
 #include "tools/stress/dice.h"
 #include "tools/stress/random_media.h"
@@ -32,7 +38,7 @@ struct Case {
 struct Part {
     std::string name;
     std::vector<double> tolerances;
-    std::vector<Case> cases;
+    int cases;
 };
 
 // Reflections, then albedos at mu_in and of uniform light, and transmittances.
@@ -52,7 +58,7 @@ rte::Optics random_medium(Dice& dice) {
 }
 
 // Bows, glories and narrow peaks of spheres.
-rte::Optics random_spheres(Dice& dice) {
+rte::Optics random_spheres(Dice& dice, double tolerance) {
     mie::EnsembleRequest request;
     request.sizes.effective_radius_um = dice.logarithmic(0.3, 12);
     request.sizes.effective_variance = dice.uniform(0.03, 0.2);
@@ -60,16 +66,95 @@ rte::Optics random_spheres(Dice& dice) {
                                 dice.chance(0.5) ? 0 : dice.logarithmic(1e-5, 1e-2)};
     request.with_phase_table = true;
     request.phase_tolerance = request.table_tolerance = 1e-3;
-    request.tolerance = 1e-6;
+    request.tolerance = tolerance;
     request.highest_moment = mie::highest_moment_of(request);
     const auto optics = mie::average_over_sizes(request);
     return {optics.single_scattering_albedo, optics.one_minus_albedo, optics.chi, false,
             [table = optics.phase_table](double mu) { return (*table)(mu); }};
 }
 
-rte::Stack random_stack(Dice& dice, const std::string& part) {
+// As they trouble the solver: dark or nearly white, with peaks that few nodes resolve.
+rte::Optics stiff_medium(Dice& dice) {
+    const double albedo = dice.chance(0.5) ? stress::random_albedo(dice) : dice.uniform(0.9, 1);
+    if (dice.chance(0.3)) return stress::random_smooth(dice);
+    const auto peak = rte::henyey_greenstein_optics(albedo, dice.uniform(0.85, 0.995));
+    if (dice.chance(0.5)) return peak;
+    const double share = dice.uniform(0.3, 1);
+    const auto back = rte::henyey_greenstein_optics(albedo, dice.uniform(-0.9, 0));
+    return rte::mix({{peak, share}, {back, 1 - share}});
+}
+
+rte::Stack stiff_stack(Dice& dice, const std::string& part) {
+    const auto medium = [&] {
+        return part == "rare-spheres" ? random_spheres(dice, 1e-3) : stiff_medium(dice);
+    };
     rte::Stack stack;
-    stack.base = part == "spheres" ? random_spheres(dice) : random_medium(dice);
+    stack.base = medium();
+    const bool has_boundary = part == "rare-smooth";
+    if (has_boundary) {
+        stack.boundary = rte::Boundary{};
+        stack.base_index = dice.uniform(1.02, 3);
+    }
+    int coats = part == "rare-media" ? 0 : dice.integer(has_boundary ? 0 : 1, 2);
+    for (; coats > 0; --coats) {
+        const double depth =
+            dice.chance(0.5) ? dice.logarithmic(1e-4, 0.02) : dice.logarithmic(5, 300);
+        const bool has_step = has_boundary && dice.chance(0.4);
+        stack.coats.push_back(
+            {medium(), depth, has_step ? dice.uniform(1.02, 3) : stack.base_index});
+    }
+    if (stack.coats.empty() || dice.chance(0.6)) return stack;
+    stack.base_kind = has_boundary && dice.chance(0.4) ? rte::BaseKind::mirror
+                      : dice.chance(0.5)               ? rte::BaseKind::lambertian
+                                                       : rte::BaseKind::none;
+    stack.mirror_index = {0.2, 3.0};
+    stack.ground_albedo = dice.uniform(0, 1);
+    return stack;
+}
+
+// Grazing cosines, and straight back.
+rte::Directions stiff_directions(Dice& dice) {
+    rte::Directions directions = stress::random_directions(dice);
+    for (auto* list : {&directions.mu_in, &directions.mu_out})
+        list->push_back(dice.logarithmic(0.005, 1));
+    if (dice.chance(0.3)) directions.mu_out = directions.mu_in;
+    directions.azimuth_deg.push_back(dice.chance(0.5) ? 180 : dice.uniform(0, 180));
+    return directions;
+}
+
+// Within some degrees of straight back.
+rte::Directions near_retro_reflection(Dice& dice) {
+    const double mu = dice.chance(0.4) ? 1 : dice.uniform(0.1, 1);
+    const double beside = std::cos(std::acos(mu) + dice.uniform(-0.1, 0.1));
+    const double step = dice.logarithmic(0.3, 8);
+    return {{mu}, {mu, std::max(beside, 0.02)}, {180, 180 - step, 180 - 3 * step, 90}};
+}
+
+// One coat of a depth where it begins to hide what is below.
+rte::Stack hiding_stack(Dice& dice) {
+    rte::Stack stack;
+    stack.base = dice.chance(0.5) ? stiff_medium(dice) : rte::isotropic_optics(1);
+    if (dice.chance(0.3)) {
+        stack.base_kind = rte::BaseKind::lambertian;
+        stack.ground_albedo = 1;
+    }
+    const rte::Optics coat = dice.chance(0.5) ? stiff_medium(dice) : random_medium(dice);
+    stack.coats.push_back({coat, dice.logarithmic(1, 1000), 1.0});
+    return stack;
+}
+
+rte::Stack random_stack(Dice& dice, const std::string& part) {
+    if (part == "hidden") return hiding_stack(dice);
+    if (part == "rare-glories") {
+        rte::Stack stack{.base = random_spheres(dice, 1e-3)};
+        if (dice.chance(0.4))
+            stack.coats.push_back({stiff_medium(dice), dice.logarithmic(1e-2, 5), 1.0});
+        return stack;
+    }
+    if (part == "rare-values") return {.base = stiff_medium(dice)};
+    if (part.starts_with("rare-")) return stiff_stack(dice, part);
+    rte::Stack stack;
+    stack.base = part == "spheres" ? random_spheres(dice, 1e-6) : random_medium(dice);
     const bool has_boundary = part == "smooth" || part == "rough";
     if (has_boundary) {
         stack.boundary = rte::Boundary{};
@@ -91,19 +176,38 @@ rte::Stack random_stack(Dice& dice, const std::string& part) {
     return stack;
 }
 
-std::vector<Part> random_parts() {
-    std::vector<Part> parts = {{"media", {1e-2, 1e-3, 1e-5}, {}},
-                               {"coats", {1e-2, 1e-3, 1e-5}, {}},
-                               {"smooth", {1e-2, 1e-3, 1e-4}, {}},
-                               {"rough", {1e-2, 1e-3}, {}},
-                               {"spheres", {1e-2, 1e-3}, {}}};
-    unsigned seed = 1;
-    for (Part& part : parts) {
-        Dice dice(seed++);
-        for (int i = part.name == "rough" || part.name == "spheres" ? 8 : 20; i > 0; --i)
-            part.cases.push_back({random_stack(dice, part.name), stress::random_directions(dice)});
-    }
+const std::vector<Part>& all_parts() {
+    static const std::vector<Part> parts = {{"media", {1e-2, 1e-3, 1e-5}, 20},
+                                            {"coats", {1e-2, 1e-3, 1e-5}, 20},
+                                            {"smooth", {1e-2, 1e-3, 1e-4}, 20},
+                                            {"rough", {1e-2, 1e-3}, 8},
+                                            {"spheres", {1e-2, 1e-3}, 8},
+                                            {"rare-media", {1e-2, 1e-3, 1e-5}, 20},
+                                            {"rare-coats", {1e-2, 1e-3, 1e-5}, 20},
+                                            {"rare-smooth", {1e-2, 1e-3, 1e-4}, 20},
+                                            {"rare-spheres", {1e-2, 1e-3}, 12},
+                                            {"rare-glories", {1e-2, 1e-3}, 24},
+                                            {"rare-values", {1e-2, 1e-3, 1e-5}, 120},
+                                            {"hidden", {1e-2, 1e-3, 1e-5}, 60}};
     return parts;
+}
+
+rte::Directions directions_for(Dice& dice, const std::string& part) {
+    if (part == "rare-glories") return near_retro_reflection(dice);
+    if (part == "rare-values") {
+        return {{dice.logarithmic(0.02, 1)}, {dice.logarithmic(0.02, 1)}, {dice.uniform(0, 180)}};
+    }
+    return part.starts_with("rare-") ? stiff_directions(dice) : stress::random_directions(dice);
+}
+
+std::vector<Case> cases_of(const Part& part, unsigned seed) {
+    Dice dice(seed);
+    std::vector<Case> cases;
+    for (int i = 0; i < part.cases; ++i) {
+        rte::Stack stack = random_stack(dice, part.name);
+        cases.push_back({std::move(stack), directions_for(dice, part.name)});
+    }
+    return cases;
 }
 
 Values values_of(const Case& one, const rte::SolverOptions& options) {
@@ -131,6 +235,18 @@ Truth truth_of(const Case& one) {
             values_of(one, {.tolerance = kTruthTolerance, .streams = 3 * streams / 4})};
 }
 
+// Without what is below the coat where that counts as hidden.
+rte::Stack without_hidden(const Case& one, double tolerance) {
+    rte::Stack stack = one.stack;
+    const rte::Coat& coat = stack.coats.front();
+    if (rte::hides_what_is_below(coat.optics, coat.optical_depth, one.directions, tolerance)) {
+        stack.base_kind = rte::BaseKind::half_space;
+        stack.base = coat.optics;
+        stack.coats.clear();
+    }
+    return stack;
+}
+
 // The error beyond the noise of the truth.
 void add(double value, double finest, double coarser, double scale, double stated, double tolerance,
          Tally& tally) {
@@ -139,13 +255,16 @@ void add(double value, double finest, double coarser, double scale, double state
               tolerance);
 }
 
-void tally_part(const Part& part, const std::vector<Truth>& truth, Tally& tally) {
-    for (std::size_t i = 0; i < part.cases.size(); ++i) {
-        const rte::Directions& d = part.cases[i].directions;
+void tally_part(const Part& part, const std::vector<Case>& cases, const std::vector<Truth>& truth,
+                Tally& tally) {
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const rte::Directions& d = cases[i].directions;
         const std::size_t block = d.mu_out.size() * d.azimuth_deg.size();
         const auto& [finest, coarser] = truth[i];
         for (const double tolerance : part.tolerances) {
-            const Values values = values_of(part.cases[i], {.tolerance = tolerance});
+            Case one = cases[i];
+            if (part.name == "hidden") one.stack = without_hidden(one, tolerance);
+            const Values values = values_of(one, {.tolerance = tolerance});
             for (std::size_t k = 0; k < values.reflection.size(); ++k) {
                 double scale = 1e-300;
                 for (std::size_t n = k / block * block; n < (k / block + 1) * block; ++n)
@@ -153,7 +272,9 @@ void tally_part(const Part& part, const std::vector<Truth>& truth, Tally& tally)
                 add(values.reflection[k], finest.reflection[k], coarser.reflection[k], scale,
                     values.errors[k], tolerance, tally);
             }
-            for (std::size_t k = 0; k < values.albedos.size(); ++k) {
+            const std::size_t albedos =
+                part.name == "hidden" ? d.mu_in.size() + 1 : values.albedos.size();
+            for (std::size_t k = 0; k < albedos; ++k) {
                 add(values.albedos[k], finest.albedos[k], coarser.albedos[k],
                     std::max(finest.albedos[k], 1e-6), values.albedo_error, tolerance, tally);
             }
@@ -162,16 +283,14 @@ void tally_part(const Part& part, const std::vector<Truth>& truth, Tally& tally)
 }
 
 template <typename Visit>
-void visit_numbers(std::vector<std::vector<Truth>>& all, const Visit& visit) {
-    for (auto& part : all) {
-        for (Truth& truth : part) {
-            for (Values* values : {&truth.finest, &truth.coarser})
-                for (auto* list : {&values->reflection, &values->albedos}) visit(*list);
-        }
+void visit_numbers(std::vector<Truth>& all, const Visit& visit) {
+    for (Truth& truth : all) {
+        for (Values* values : {&truth.finest, &truth.coarser})
+            for (auto* list : {&values->reflection, &values->albedos}) visit(*list);
     }
 }
 
-bool load(const std::string& file, std::vector<std::vector<Truth>>& all) {
+bool load(const std::string& file, std::vector<Truth>& all) {
     std::ifstream in(file);
     visit_numbers(all, [&](std::vector<double>& list) {
         std::size_t count = 0;
@@ -181,33 +300,35 @@ bool load(const std::string& file, std::vector<std::vector<Truth>>& all) {
     return bool(in);
 }
 
+std::vector<Truth> truth_in(const std::string& file, const std::vector<Case>& cases) {
+    std::vector<Truth> truth(cases.size());
+    if (load(file, truth)) return truth;
+    std::transform(cases.begin(), cases.end(), truth.begin(), truth_of);
+    std::ofstream out(file);
+    out.precision(17);
+    visit_numbers(truth, [&](const std::vector<double>& list) {
+        out << list.size();
+        for (const double v : list) out << ' ' << v;
+        out << '\n';
+    });
+    return truth;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
     if (count < 2) {
-        std::fprintf(stderr, "transfer_battery TRUTH [media|coats|smooth|rough|spheres...]\n");
+        std::fprintf(stderr, "transfer_battery TRUTH [media|coats|smooth|rough|spheres|...]\n");
         return 2;
     }
-    const std::vector<Part> parts = random_parts();
-    std::vector<std::vector<Truth>> truth;
-    for (const Part& part : parts) truth.emplace_back(part.cases.size());
-    if (!load(arguments[1], truth)) {
-        for (std::size_t p = 0; p < parts.size(); ++p)
-            for (std::size_t i = 0; i < truth[p].size(); ++i)
-                truth[p][i] = truth_of(parts[p].cases[i]);
-        std::ofstream out(arguments[1]);
-        out.precision(17);
-        visit_numbers(truth, [&](const std::vector<double>& list) {
-            out << list.size();
-            for (const double v : list) out << ' ' << v;
-            out << '\n';
-        });
-    }
     constants::print_header();
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        if (constants::is_wanted(parts[p].name, count, arguments))
-            constants::measure(parts[p].name,
-                               [&](Tally& tally) { tally_part(parts[p], truth[p], tally); });
+    unsigned seed = 1;
+    for (const Part& part : all_parts()) {
+        const unsigned own_seed = seed++;
+        if (!constants::is_wanted(part.name, count, arguments)) continue;
+        const std::vector<Case> cases = cases_of(part, own_seed);
+        const auto truth = truth_in(std::string(arguments[1]) + "-" + part.name, cases);
+        constants::measure(part.name, [&](Tally& tally) { tally_part(part, cases, truth, tally); });
     }
     return 0;
 }

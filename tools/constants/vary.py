@@ -28,7 +28,7 @@ FIXED = {'kAnglesPerTile', 'kTileStep', 'kRegisters', 'kCount', 'kVectors', 'kPa
          'kRegisterSize', 'kNumbers', 'kIncidences', 'kTogether', 'kNeighbours', 'kDip', 'kFewestNodes', 'kMostNodes',
          'kCut', 'kLargest', 'kHalf', 'half', 'whole', 'unknown', 'never', 'piece', 'columns', 'part', 'count', 'N',
          'last', 'end', 'kLeastIndex', 'kLargestIndex', 'kLeastRoughIndex', 'kLeastIndexStep', 'shares_of_two',
-         'kSeriesLanes', 'kStreams', 'kWideShare', 'kNarrowShare', 'kDoublings'}
+         'kSeriesLanes', 'kStreams', 'kWideShare', 'kNarrowShare', 'kDoublings', 'kPolynomials'}
 # Memory, pieces for threads, limits of patience, rounding: they change time or nothing.
 TIME_ALONE = {'kMostKept', 'kMostChunksOfSample', 'kLeastChunkOfSample', 'kMostColumns', 'kMostOfFunctions',
               'kTilesPerJob', 'kTilesWorthACopy', 'kMostChunks', 'kLeastChunk', 'kChunkMemory', 'kPartMemory',
@@ -65,8 +65,9 @@ PARTS = {'mie': [(r'matrix_average|matrix_series', ['matrices']),
                  (r'', ['points', 'tables'])],
          'rte': [(r'facet|rough_|panel_functions', ['rough']),
                  (r'refraction_grid', ['smooth', 'rough']),
-                 (r'glory|spectral', ['spheres']),
-                 (r'', ['media', 'coats', 'smooth', 'spheres'])]}
+                 (r'glory', ['spheres', 'glories']),
+                 (r'hidden_layers', ['media', 'coats', 'smooth', 'hidden']),
+                 (r'', ['media', 'coats', 'smooth', 'spheres', 'glories', 'values'])]}
 
 
 def split(declarators):
@@ -106,8 +107,8 @@ def compile_flags(build, area):
     sys.exit(f'no compile command of {area}/ in {build}')
 
 
-def make_battery(area, build, work):
-    """The battery, and the constants as (file, name, value)."""
+def make_battery(area, build, work, targets):
+    """The battery, and the constants as (file, name, value). The targets are linked with them, too."""
     found, changed = [], {}
     for path in sorted((ROOT / area).glob('**/*')):
         relative = path.relative_to(ROOT)
@@ -144,9 +145,19 @@ def make_battery(area, build, work):
             continue
         source.write_text(''.join(f'#include "{f}"\n' for f in files))
         subprocess.run(['c++', *flags, '-w', '-c', str(source), '-o', str(objects[-1])], check=True)
+    newest = max(f.stat().st_mtime for f in [*objects, *(build / l for l in LIBRARIES)])
+    is_made = (work / name).exists() and (work / name).stat().st_mtime > newest
     # What stands in the libraries too is taken from the objects, which come first.
-    subprocess.run(['c++', '-Wl,--allow-multiple-definition', *map(str, objects), *(str(build / l) for l in LIBRARIES),
-                    '-lfmt', '-ltbb', '-o', str(work / name)], check=True)
+    if not is_made:
+        subprocess.run(['c++', '-Wl,--allow-multiple-definition', *map(str, objects),
+                        *(str(build / l) for l in LIBRARIES), '-lfmt', '-ltbb', '-o', str(work / name)], check=True)
+    for target in targets:
+        lines = subprocess.run(['ninja', '-C', str(build), '-t', 'commands', target], check=True, text=True,
+                               capture_output=True).stdout.splitlines()
+        words = shlex.split(re.sub(r'^: && | && .*', '', lines[-1]))
+        words[words.index('-o') + 1] = str((work / target).resolve())
+        words[1:1] = ['-Wl,--allow-multiple-definition', *(str(o.resolve()) for o in objects[1:])]
+        subprocess.run(words, cwd=build, check=True)
     return work / name, found
 
 
@@ -183,12 +194,14 @@ def main():
     parser.add_argument('--work', type=pathlib.Path, default=pathlib.Path('/tmp/miebrdf-constants'))
     parser.add_argument('--only', nargs='*', default=[])
     parser.add_argument('--factors', default='0.5,2')
+    parser.add_argument('--parts', nargs='*', default=[], help='of the battery; those that a file concerns')
+    parser.add_argument('--link', nargs='*', default=[], help='targets (test_rte) made in WORK/AREA, which read VARY=file:name*factor')
     options = parser.parse_args()
     work = options.work / options.area
-    program, found = make_battery(options.area, options.build.resolve(), work)
+    program, found = make_battery(options.area, options.build.resolve(), work, options.link)
     truth = work / 'truth.txt'
     # No names: all parts. The first time this makes the sums, too.
-    before = measure(program, truth, [], timeout=None)
+    before = measure(program, truth, options.parts, timeout=None)
     parts = list(before)
     print('| part | values | median error | 99 % | beyond stated | worst over stated | seconds |\n' + '|---' * 7 + '|')
     for part in parts:
@@ -200,7 +213,7 @@ def main():
         if options.only and not any(re.search(o, f'{file}:{name}') for o in options.only): continue
         if not options.only and name in TIME_ALONE: continue
         own = next(p for pattern, p in PARTS[options.area] if re.search(pattern, file))
-        own = [s + p for s in SETS for p in own if s + p in before]
+        own = options.parts or [s + p for s in SETS for p in own if s + p in before]
         cells = [change(measure(program, truth, own, f'{file}:{name}*{f}'), before) for f in factors]
         print(f'| {file.split(".")[0]}: {name} | {value} | {" | ".join(cells)} |', flush=True)
 
