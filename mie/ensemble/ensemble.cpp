@@ -39,9 +39,10 @@ struct AverageRule {
 struct DarkMedium {
     static constexpr double kDark = 0.2;  ///< spherical albedo of a half-space
     static constexpr double kLeastShare = 1e-3;
-    /// P is then wanted better, too, but not of large rippling spheres, where that would be dear:
-    /// those of a larger size parameter.
-    static constexpr double kFewWaves = 300;
+    /// P is then wanted better, too, but not of spheres for which that would be dear: those of a
+    /// larger size parameter than the first, which ripple, or than the second, where a table by
+    /// sizes takes a second (and the cube of that).
+    static constexpr double kFewWaves = 300, kFewDampedWaves = 2000;
 };
 
 // Tables by rays: their bias is a share of the tolerance.
@@ -238,7 +239,8 @@ bool EnsembleAverage::is_enough() const {
 }
 
 bool EnsembleAverage::is_worth_more_sizes() const {
-    if (gains_nothing_) return false;
+    // What is wanted for a dark medium beyond the tolerance is not worth sampling ripple.
+    if (gains_nothing_ || (optics_.converged && passes_.ends_smooth())) return false;
     if (!at_angles_) return true;
     const double products =
         4.0 * terms_ * at_angles_->angles().angle_count() * passes_.sizes_so_far();
@@ -301,9 +303,12 @@ void EnsembleAverage::put_exact_extinction() {
 
 void EnsembleAverage::put_phase_table() {
     PhaseGoal goal;
-    const bool is_cheap = !ensemble_.ripples() || ensemble_.largest_x() < DarkMedium::kFewWaves;
-    const double bright = request_.phase_floor > 0 && is_cheap ? half_space_albedo(optics_) : 1.0;
-    const double relaxed = std::max(bright, DarkMedium::kLeastShare);
+    const bool ripples = ensemble_.ripples();
+    const bool is_cheap =
+        ensemble_.largest_x() < (ripples ? DarkMedium::kFewWaves : DarkMedium::kFewDampedWaves);
+    const bool is_dark = request_.phase_floor > 0 && (is_cheap || !ripples);
+    const double bright = is_dark ? half_space_albedo(optics_) : 1.0;
+    const double relaxed = is_cheap ? std::max(bright, DarkMedium::kLeastShare) : 1.0;
     goal.interpolation_tolerance = relaxed * request_.table_tolerance;
     goal.size_tolerance = relaxed * request_.phase_tolerance;
     goal.floor = bright * request_.phase_floor;
@@ -311,9 +316,9 @@ void EnsembleAverage::put_phase_table() {
     // Rays without the ends of the sizes where what these leave would be too much.
     for (const auto method : {PhaseMethod::rays, PhaseMethod::exact_rays}) {
         const PhaseRayBias bias = phase_ray_bias(ensemble_, method == PhaseMethod::exact_rays);
+        const double at_floor = std::max(1.0, PhaseRayBias::kFloor / goal.floor);
         if (goal.method != PhaseMethod::sizes || !(bias.everywhere > 0) ||
-            !(goal.floor >= PhaseRayBias::kFloor) ||
-            !(bias.typical() <= RayTable::kBiasShare * goal.size_tolerance))
+            !(at_floor * bias.typical() <= RayTable::kBiasShare * goal.size_tolerance))
             continue;
         goal.method = method;
         goal.ray_bias = bias;

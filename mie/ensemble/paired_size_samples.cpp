@@ -50,7 +50,7 @@ void append(const std::vector<PairedIntensity>& parts, Eigen::Index count, Eigen
 
 PairedSizeSamples::PairedSizeSamples(const Ensemble& ensemble, double size_tolerance,
                                      PhaseMethod method)
-    : ensemble_(ensemble), rippled_(ensemble.ripples()) {
+    : ensemble_(ensemble), rippled_(ensemble.ripples() || method != PhaseMethod::sizes) {
     if (ensemble.law().single_size) {
         sample_count_ = 1;
         return;

@@ -176,13 +176,15 @@ void PhasePanel::judge_parts(const PairedSizeSamples& sizes, const Eigen::Vector
 // with the root of the products of their intensities.
 Eigen::VectorXd PhasePanel::bias_at_nodes(const PairedSizeSamples& sizes, const PhaseGoal& goal,
                                           const Eigen::VectorXd& scale) const {
-    Eigen::VectorXd mixed = values().cwiseAbs2();
+    const Eigen::VectorXd P = values();
+    Eigen::VectorXd mixed = P.cwiseAbs2();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
         if (sizes.rays() != nullptr && sizes.rays()->is_one_ray(i))
             mixed -= part_values(parts_[i]).cwiseAbs2();
     }
-    return (goal.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt().cwiseQuotient(scale)).array() +
-           goal.ray_bias.everywhere;
+    return (goal.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt() +
+            goal.ray_bias.everywhere * P.cwiseMax(PhaseRayBias::kFloor))
+        .cwiseQuotient(scale);
 }
 
 void PhasePanel::judge(const PairedSizeSamples& sizes, const PhaseGoal& goal,

@@ -65,6 +65,23 @@ double phase_of_ends(const Ensemble& ensemble) {
     return at_ends / (k * ensemble.share) / (2 * (ensemble.scatterer.n() - 1));
 }
 
+// The share, averaged over areas, that absorption leaves of light on so many ways through spheres.
+// No way is shorter than that of light which enters at the edge.
+double left_by_absorption(const Ensemble& ensemble, double ways) {
+    if (!ensemble.scatterer.absorbs()) return 1;
+    const double m = ensemble.scatterer.n(), shortest = std::sqrt((m - 1) * (m + 1)) / m;
+    const SizeNodes nodes =
+        smooth_size_nodes(ensemble.sizes, ensemble.range, RayRule::kSizesOfAbsorption);
+    double left = 0, whole = 0;
+    for (std::size_t i = 0; i < nodes.radius_um.size(); ++i) {
+        const double x = ensemble.wave_number_per_um * nodes.radius_um[i];
+        left +=
+            nodes.area_share[i] * std::exp(-2 * ways * shortest * ensemble.scatterer.damping(x));
+        whole += nodes.area_share[i];
+    }
+    return left / whole;
+}
+
 }  // namespace
 
 RayBound ray_bound(const Ensemble& ensemble) {
@@ -73,7 +90,7 @@ RayBound ray_bound(const Ensemble& ensemble) {
     const double n = ensemble.scatterer.n();
     const double x = ensemble.wave_number_per_um * effective_radius_of(ensemble.sizes);
     if (law.single_size || !law.analytic || !(n >= RayRule::kLeastIndex) ||
-        !ensemble.scatterer.has_rays() || !ensemble.ripples()) {
+        !ensemble.scatterer.has_rays()) {
         return {never, never};
     }
     RayBound bound;
@@ -110,10 +127,15 @@ PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact) {
     const double index = ensemble.scatterer.n();
     if (!(bound.total() <= PhaseRayRule::kLargestBound)) return {};
     const double x = k * effective_radius_of(ensemble.sizes);
-    if (index < PhaseRayRule::kCrossingIndex)
-        return {(exact ? PhaseRayRule::kExactCrossingBias : PhaseRayRule::kCrossingBias) / x};
-    return {PhaseRayRule::kBias / x + bound.spread,
-            exact ? 0 : PhaseRayRule::kEndsBias * phase_of_ends(ensemble)};
+    const double s = std::sqrt((index - 1) * (index + 1)), ways = (1 + s) / (index - s);
+    const double crossing =
+        (exact ? PhaseRayRule::kExactCrossingBias : PhaseRayRule::kCrossingBias) / x *
+        left_by_absorption(ensemble, 2 * ways + 1);
+    const double apart = PhaseRayRule::kBias / x + bound.spread;
+    if (index < PhaseRayRule::kCrossingIndex && crossing > apart) return {crossing};
+    if (exact) return {apart};
+    return {apart,
+            PhaseRayRule::kEndsBias * phase_of_ends(ensemble) * left_by_absorption(ensemble, 1)};
 }
 
 std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int highest_moment,

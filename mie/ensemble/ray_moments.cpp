@@ -237,11 +237,13 @@ void add_size(const Orders& orders, double x, double weight, int terms,
     project(work.minus, to.minus);
 }
 
-// sum over p of |rays|^2 / 4 that do not come out again.
+// sum over p of |rays|^2 / 4 that do not come out again. Orders that nothing goes through and that
+// seem to absorb by rounding alone do not; those of opaque spheres do.
 Lanes absorbed_of(const RayResponse& r) {
+    constexpr double kRounding = 1e-10;
     const Lanes through = norm(r.through);
     const Lanes left = 1 - norm(r.outer) - through / (1 - norm(r.inner)).max(1e-28);
-    return (through > 1e-26).select(0.25 * left.max(0.0), 0.0);
+    return (through > 1e-26 || left > kRounding).select(0.25 * left.max(0.0), 0.0);
 }
 
 template <typename Number>

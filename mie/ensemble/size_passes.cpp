@@ -78,12 +78,16 @@ bool SizePasses::refine() {
     ++pass_;
     if (rule_ == Rule::even) {
         take(nested_size_nodes(ensemble_.sizes, ensemble_.range, first_count_, pass_));
-    } else if (const int count = first_count_ << pass_; count > PassRule::kMostFirst) {
+    } else if (first_count_ << pass_ > PassRule::kMostFirst) {
         start_even();
     } else {
-        take(smooth_size_nodes(ensemble_.sizes, ensemble_.range, count));
+        take(smooth_size_nodes(ensemble_.sizes, ensemble_.range, first_count_ << pass_));
     }
     return true;
+}
+
+bool SizePasses::ends_smooth() const {
+    return rule_ == Rule::smooth && first_count_ << (pass_ + 1) > PassRule::kMostFirst;
 }
 
 const SizeSums& SizePasses::add(const SizeSumOptions& options, const Executor& run) {

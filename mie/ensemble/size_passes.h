@@ -40,6 +40,8 @@ class SizePasses {
     /// The part of the last change of any average that is expected to be left as its error.
     double share_left() const { return share_left_; }
     bool is_first() const { return pass_ == 0; }
+    /// Whether the next pass would be the first by the even rule, after Gauss rules.
+    bool ends_smooth() const;
 
   private:
     void take(SizeNodes nodes);

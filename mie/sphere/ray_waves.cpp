@@ -2,6 +2,7 @@
 
 #include <type_traits>
 
+#include "mie/sphere/radial_functions.h"
 #include "mie/sphere/vectors.h"
 
 namespace miebrdf::mie {
@@ -67,6 +68,25 @@ MIEBRDF_VECTOR void respond(Number m, const ComplexVector& N, const ComplexVecto
     store((Number(-4.0) * m) * (minus_over_N * once), response.through, first);
 }
 
+// Beyond the edge of a sphere that absorbs, the wave reflected inside may be larger than the one
+// that comes: orders whose sum over ways diverges have all of it in the reflected ray.
+MIEBRDF_VECTOR void join_divergent(RayResponse& response, int first) {
+    constexpr double kLargest = 1 + 1e-9;  // rounding of transparent spheres stays below
+    const ComplexVector inner = load(response.inner, first);
+    const auto diverges = norm(inner) > Vector{} + kLargest;
+    const ComplexVector outer = load(response.outer, first),
+                        through = load(response.through, first);
+    const ComplexVector all = outer + through * inverse(ComplexVector{1 - inner.re, -inner.im});
+    const auto choose = [&](const ComplexVector& there, const ComplexVector& here, ComplexLanes& to)
+        __attribute__((always_inline)) {
+        store(diverges ? there.re : here.re, to.re, first);
+        store(diverges ? there.im : here.im, to.im, first);
+    };
+    choose(all, outer, response.outer);
+    choose({Vector{}, Vector{}}, through, response.through);
+    choose({Vector{}, Vector{}}, inner, response.inner);
+}
+
 // Lanes past their last order; what has overflowed there is not looked at.
 void silence(const Lanes& last_order, int order, RayResponse& response) {
     for (int first = 0; first < kLaneCount; first += kVectorSize) {
@@ -99,12 +119,23 @@ RayWaves<Number>::RayWaves(Number m, const Lanes& x) : m_(m), slope_(m - 1.0 / m
     if constexpr (!std::is_same_v<Number, double>) {
         const Lanes damping = (-2 * z.im).exp();
         round_ = times(round_, damping);
+        clear_ = (z.im > kOpaque).select(Lanes::Zero(), Lanes::Ones());
+        if (clear_.minCoeff() < 1) {
+            // Clear lanes, which may be much smaller, go along as the largest one.
+            Eigen::Index largest;
+            z.im.maxCoeff(&largest);
+            auto opaque = z;
+            opaque.re = (clear_ > 0).select(z.re[largest], z.re);
+            opaque.im = (clear_ > 0).select(z.im[largest], z.im);
+            regular_.emplace(opaque, number_of_terms(x.maxCoeff()));
+        }
     }
 }
 
 template <typename Number>
 void RayWaves<Number>::advance(const Lanes& last_order, RayResponse& a, RayResponse& b) {
     ++order_;
+    if (regular_) regular_->advance();
     for (int first = 0; first < kLaneCount; first += kVectorSize) advance_some(first, a, b);
     if (last_order.minCoeff() >= order_) return;
     silence(last_order, order_, a);
@@ -146,10 +177,29 @@ void RayWaves<Number>::advance_some(int first, RayResponse& a, RayResponse& b) {
     } else {
         WavePair in;
         step(in_, in);
+        if (regular_) {
+            const auto is_clear = load(clear_, first) > Vector{};
+            const auto choose = [&](ComplexVector & wave, const ComplexLanes& regular)
+                __attribute__((always_inline)) {
+                wave.re = is_clear ? wave.re : load(regular.re, first);
+                wave.im = is_clear ? wave.im : load(regular.im, first);
+            };
+            choose(in.here, regular_->here());
+            choose(in.before, regular_->before());
+        }
         const BothSigns of_a = with_conjugate_outside(electric(m_, slope_, in, n_over_x), x);
         const BothSigns of_b = with_conjugate_outside(magnetic(m_, in), x);
         respond(m_, of_a.plus, out_a.with(x), of_a.minus, round, a, first);
         respond(m_, of_b.plus, out_b.with(x), of_b.minus, round, b, first);
+        if (regular_) {
+            const auto is_clear = load(clear_, first) > Vector{};
+            for (ComplexLanes* z : {&a.inner, &a.through, &b.inner, &b.through}) {
+                store(is_clear ? load(z->re, first) : Vector{}, z->re, first);
+                store(is_clear ? load(z->im, first) : Vector{}, z->im, first);
+            }
+        }
+        join_divergent(a, first);
+        join_divergent(b, first);
     }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 
 #include "mie/sphere/lane_waves.h"
 
@@ -24,8 +25,9 @@ struct RayResponse {
 /// N = G(out(x), in(mx)):  R11 = -G(out(x), out(mx)) / N,  R22 = -G(in(x), in(mx)) / N,
 /// T21 T12 = -4 m / N^2.
 /// All waves go upward; inside, outgoing and ingoing ones without their factors exp(+-i m x), so
-/// that damping does not overflow. Upward, ingoing waves lose digits as InsideWave does
-/// (upward_is_stable).
+/// that damping does not overflow. Upward, ingoing waves lose digits by those that grow, the more
+/// the more they are damped; where nothing comes through a sphere within rounding (kOpaque), the
+/// wave that is regular in the middle stands for them, and no ray but the reflected one is left.
 template <typename Number>
 class RayWaves {
   public:
@@ -39,14 +41,18 @@ class RayWaves {
     struct Wave {
         ComplexLanes here, before;  // n and n - 1
     };
+    /// Im m x beyond which the way through the middle leaves 1e-16 of the light.
+    static constexpr double kOpaque = 18;
     void advance_some(int first, RayResponse& a, RayResponse& b);
 
     Number m_, slope_;  ///< index; m - 1 / m
     int order_ = 0;
     OutsideWaves outside_;
     LanesOf<Number> inverse_z_;
-    Wave out_, in_;       // inside; `in_` of a real index is the conjugate of `out_`
-    ComplexLanes round_;  // exp(2 i m x)
+    Wave out_, in_;                // inside; `in_` of a real index is the conjugate of `out_`
+    ComplexLanes round_;           // exp(2 i m x)
+    Lanes clear_ = Lanes::Ones();  // 0 where a sphere is opaque
+    std::optional<InsideWave<Number>> regular_ = {};  // of opaque ones
 };
 
 }  // namespace miebrdf::mie

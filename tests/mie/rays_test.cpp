@@ -110,9 +110,32 @@ TEST_CASE("rays of the Debye series sum to the coefficients of the sphere", "[mi
         CAPTURE(n);
         CHECK(worst_coefficient(n) <= 1e-12);
     }
-    for (const Complex m : {Complex(1.31, 1e-8), Complex(1.5, 1e-4), Complex(2.6, 1e-4)}) {
+    // The last ones are opaque, all or some of them: the reflected ray alone.
+    for (const Complex m : {Complex(1.31, 1e-8), Complex(1.5, 1e-4), Complex(2.6, 1e-4),
+                            Complex(1.33, 0.01), Complex(1.5, 0.4), Complex(2.6, 6)}) {
         CAPTURE(m);
         CHECK(worst_coefficient(m) <= 5e-12);
+    }
+}
+
+TEST_CASE("rays of dark spheres of all sizes give what listed angles have by sizes",
+          "[mie][rays]") {
+    // Small spheres of a wide law are clear, and beyond their edge the wave reflected inside would
+    // be larger than the one that comes; large ones are opaque.
+    auto problem = problem_of(Kind::log_normal, {1.27, 0.16}, 167, 0.26);
+    mie::PhaseGoal goal;
+    goal.size_tolerance = 1e-3;
+    goal.floor = 0.5;
+    const std::vector<double> angles_deg = {20, 50, 80, 110, 140, 170, 180};
+    const auto by_sizes = mie::AdaptivePhase(problem, goal, mie::run_in_order).at(angles_deg, {});
+    goal.method = mie::PhaseMethod::exact_rays;
+    goal.ray_bias = mie::phase_ray_bias(problem, true);
+    REQUIRE(goal.ray_bias.everywhere > 0);
+    const auto by_rays = mie::AdaptivePhase(problem, goal, mie::run_in_order).at(angles_deg, {});
+    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+        CAPTURE(angles_deg[i], by_rays.phase[i], by_sizes.phase[i], by_rays.error[i]);
+        CHECK(std::abs(by_rays.phase[i] - by_sizes.phase[i]) <=
+              by_rays.error[i] + by_sizes.error[i]);
     }
 }
 
@@ -179,13 +202,13 @@ TEST_CASE("rays are refused where they are no description", "[mie][rays]") {
         return !mie::average_over_rays(problem, 16, tolerance, mie::run_in_order).has_value();
     };
     CHECK_FALSE(refused(problem_of(Kind::gamma, 1.5, 300, 0.1), 1e-3));
-    CHECK(refused(problem_of(Kind::gamma, 1.5, 300, 0.1), 1e-7));         // single precision
-    CHECK(refused(problem_of(Kind::gamma, 1.01, 300, 0.1), 1e-3));        // one wave in step
-    CHECK(refused(problem_of(Kind::gamma, 0.75, 300, 0.1), 1e-3));        // bubbles
-    CHECK(refused(problem_of(Kind::gamma, 1.5, 10, 0.1), 1e-3));          // small
-    CHECK(refused(problem_of(Kind::gamma, 1.3, 30, 0.001), 1e-3));        // all alike
-    CHECK(refused(problem_of(Kind::power_law, 1.5, 15, 0.1), 1e-3));      // ends
-    CHECK(refused(problem_of(Kind::gamma, {1.5, 0.1}, 300, 0.1), 1e-3));  // damped
+    CHECK(refused(problem_of(Kind::gamma, 1.5, 300, 0.1), 1e-7));               // single precision
+    CHECK(refused(problem_of(Kind::gamma, 1.01, 300, 0.1), 1e-3));              // one wave in step
+    CHECK(refused(problem_of(Kind::gamma, 0.75, 300, 0.1), 1e-3));              // bubbles
+    CHECK(refused(problem_of(Kind::gamma, 1.5, 10, 0.1), 1e-3));                // small
+    CHECK(refused(problem_of(Kind::gamma, 1.3, 30, 0.001), 1e-3));              // all alike
+    CHECK(refused(problem_of(Kind::power_law, 1.5, 15, 0.1), 1e-3));            // ends
+    CHECK_FALSE(refused(problem_of(Kind::gamma, {1.5, 0.1}, 300, 0.1), 1e-3));  // opaque
     auto single = problem_of(Kind::gamma, 1.5, 300, 0.1);
     single.sizes.kind = Kind::mono;
     CHECK(refused(single, 1e-3));
@@ -211,18 +234,20 @@ TEST_CASE("sizes of rays have all of the area, however few", "[mie][rays]") {
 
 TEST_CASE("phase tables by rays are within their stated noise", "[mie][rays][honesty]") {
     // Of those that absorb, what is reflected is nearly all: hardly anything interferes with it.
-    // Laws without ends have a wide range, in which few sizes see little of what is damped.
+    // Laws without ends have a wide range, in which few sizes see little of what is damped. The
+    // last three are dark: some light comes through, through small ones alone, and none.
     struct Case {
         Complex m;
         Kind kind;
         double variance;
     };
     const Complex damped(3.5, 0.0018);
-    const Case c =
-        GENERATE_COPY(Case{1.5, Kind::power_law, 0.2}, Case{2.6, Kind::power_law, 0.2},
-                      Case{damped, Kind::power_law, 0.2}, Case{damped, Kind::power_law, 0.1},
-                      Case{damped, Kind::gamma, 0.1}, Case{damped, Kind::log_normal, 0.05},
-                      Case{{2.6, 0.001}, Kind::log_normal, 0.15});
+    const Case c = GENERATE_COPY(
+        Case{1.5, Kind::power_law, 0.2}, Case{2.6, Kind::power_law, 0.2},
+        Case{damped, Kind::power_law, 0.2}, Case{damped, Kind::power_law, 0.1},
+        Case{damped, Kind::gamma, 0.1}, Case{damped, Kind::log_normal, 0.05},
+        Case{{2.6, 0.001}, Kind::log_normal, 0.15}, Case{{1.5, 0.01}, Kind::power_law, 0.1},
+        Case{{1.33, 0.05}, Kind::gamma, 0.1}, Case{{1.3, 0.5}, Kind::log_normal, 0.1});
     const Complex m = c.m;
     const auto problem = problem_of(c.kind, m, 420, c.variance);
     const double k = problem.wave_number_per_um;
