@@ -281,7 +281,7 @@ TEST_CASE("95 % intervals cover the truth as often as they say", "[fit]") {
                                  .unknowns = {unknown("w", "0.9 in 0.1:0.9999 log1m")},
                                  .data = {albedos_of(scene, kCosines, 0.005, seed)}};
         const FitResult result = fit(problem);
-        const FittedValue& w = value_of(result, "w");
+        const FittedValue w = value_of(result, "w");
         covered += w.interval_low <= 0.95 && 0.95 <= w.interval_high;
     }
     CHECK(covered > 50);
