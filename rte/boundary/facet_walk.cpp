@@ -136,28 +136,26 @@ Eigen::MatrixXd FacetWalk::onto(const RefractionGrid& grid, int order) const {
     return energy * g2_.cwiseInverse().asDiagonal();
 }
 
-std::vector<Eigen::MatrixXd> FacetWalk::leaving(const std::vector<Beam>& beams,
+FacetWalk::Start FacetWalk::start(const Beam& beam) const {
+    const double lambda = smith_lambda(surface_, beam.mu);
+    return {directions_after(beam.first, beam.from_air),
+            heights(HeightNodes(), 1.0, 1.0 / (1.0 + lambda), 0.0, !beam.from_air)};
+}
+
+std::vector<Eigen::MatrixXd> FacetWalk::leaving(const std::vector<Start>& beams,
                                                 const RefractionGrid& grid) const {
     const Eigen::Index sides = g2_.size();
     const Eigen::Index directions = 2 * sides;
     const auto count = Eigen::Index(beams.size());
-    const HeightNodes nodes;
-    // Rays after the first facet: direction (of every order) and height, which are independent.
-    std::vector<Eigen::MatrixXd> first;
-    std::vector<Eigen::VectorXd> met;
-    for (const Beam& beam : beams) {
-        first.push_back(directions_after(beam.first, beam.from_air));
-        const double lambda = smith_lambda(surface_, beam.mu);
-        met.push_back(heights(nodes, 1.0, 1.0 / (1.0 + lambda), 0.0, !beam.from_air));
-    }
     const Eigen::MatrixXd to_grid[] = {onto(grid, 0), onto(grid, 1)};
     std::vector<Eigen::MatrixXd> energy;
     for (int m = 0; m < order_count_; ++m) {
         // Rays that have just left a facet: rows are directions, columns heights by beams.
         Eigen::MatrixXd rays(directions, kHeights * count);
         for (Eigen::Index k = 0; k < count; ++k) {
+            const Start& beam = beams[std::size_t(k)];
             rays.middleCols(k * kHeights, kHeights) =
-                first[std::size_t(k)].col(m) * met[std::size_t(k)].transpose();
+                beam.directions.col(m) * beam.heights.transpose();
         }
         const double all = rays.cwiseAbs().sum();
         Eigen::MatrixXd left = Eigen::MatrixXd::Zero(sides, count);

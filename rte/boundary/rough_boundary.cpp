@@ -113,16 +113,14 @@ RoughBoundary::RoughBoundary(double index, const RoughSurface& surface, const Re
     const ZenithGrid air = grid_.in_medium(1.0);
     const Eigen::Index n = medium.size();
     const Eigen::Index all = g_.size();
-    std::vector<FacetWalk::Beam> beams;
-    for (Eigen::Index q = 0; q < all; ++q) {
-        math::interruption_point();
-        const bool from_air = q >= n;
-        beams.push_back(beam_at_facet(from_air, from_air ? air.mu[q - n] : medium.mu[q]));
-    }
+    std::vector<FacetWalk::Start> beams;
     std::vector<Eigen::MatrixXd> once(std::size_t(orders), Eigen::MatrixXd(all, all));
     for (Eigen::Index q = 0; q < all; ++q) {
         math::interruption_point();
-        const Eigen::MatrixXd column = after_one_facet(beams[std::size_t(q)]);
+        const bool from_air = q >= n;
+        const auto beam = beam_at_facet(from_air, from_air ? air.mu[q - n] : medium.mu[q]);
+        beams.push_back(walk_->start(beam));
+        const Eigen::MatrixXd column = after_one_facet(beam);
         for (int m = 0; m < orders; ++m) once[std::size_t(m)].col(q) = column.col(m);
     }
     const std::vector<Eigen::MatrixXd> later = walk_->leaving(beams, grid_);
@@ -195,16 +193,19 @@ Eigen::MatrixXd RoughBoundary::after_one_facet(const FacetWalk::Beam& beam) cons
 
 RoughBoundary::EnergyFromAir RoughBoundary::followed(const Eigen::VectorXd& mu_air) const {
     const Eigen::Index requested = mu_air.size();
-    std::vector<FacetWalk::Beam> beams;
+    std::vector<FacetWalk::Start> beams;
+    std::vector<Eigen::MatrixXd> at_once;
     for (const double mu : mu_air) {
         if (!(mu > 0.0 && mu <= 1.0)) throw UsageError("mu_air", mu, "(0, 1]");
-        beams.push_back(beam_at_facet(true, mu));
+        const auto beam = beam_at_facet(true, mu);
+        beams.push_back(walk_->start(beam));
+        at_once.push_back(after_one_facet(beam));
     }
     EnergyFromAir energy{mu_air, walk_->leaving(beams, grid_), {}};
     for (Eigen::MatrixXd& order : energy.by_order) order.transposeInPlace();
     energy.at_once.assign(std::size_t(order_count_), Eigen::MatrixXd(requested, d_.size()));
     for (Eigen::Index r = 0; r < requested; ++r) {
-        const Eigen::MatrixXd first = after_one_facet(beams[std::size_t(r)]);
+        const Eigen::MatrixXd& first = at_once[std::size_t(r)];
         for (int m = 0; m < order_count_; ++m) {
             energy.by_order[std::size_t(m)].row(r) += first.col(m).transpose();
             energy.at_once[std::size_t(m)].row(r) = first.col(m).head(d_.size()).transpose();

@@ -86,9 +86,16 @@ class FacetWalk {
         double mu;  ///< cosine of incidence
         FacetScattering first;
     };
+    /// The same where its rays are sums: direction (of every order) and height, which are
+    /// independent. Rays take a hundred times the memory.
+    struct Start {
+        Eigen::MatrixXd directions;
+        Eigen::VectorXd heights;
+    };
+    Start start(const Beam& beam) const;
     /// Energy that leaves after two or more facets, for each order (nodes inside, nodes in air of
     /// grid) x beams.
-    std::vector<Eigen::MatrixXd> leaving(const std::vector<Beam>& beams,
+    std::vector<Eigen::MatrixXd> leaving(const std::vector<Start>& beams,
                                          const RefractionGrid& grid) const;
 
   private:
