@@ -250,30 +250,35 @@ FacetScattering scatter_by_facets(double relative_index, const RoughSurface& sur
         .scattering();
 }
 
-FacetScattering unhidden(const FacetScattering& light, const RoughSurface& surface, double mu) {
+FirstMeeting split_by_facets(const FacetScattering& light, const RoughSurface& surface, double mu) {
     const auto one_plus_lambda = [&](double cosine) {
         return cosine_over_masking(surface.distribution, surface.alpha, cosine) / cosine;
     };
     const double in = one_plus_lambda(mu);
     const double log_gamma_in = log_gamma_above_1(1.0 + in);
-    FacetScattering seen;
-    const ScatteredRays& reflected = light.reflected;
-    for (std::size_t k = 0; k < reflected.mu.size(); ++k) {
-        if (!(reflected.mu[k] > 0.0)) continue;
-        const double out = one_plus_lambda(reflected.mu[k]);
-        seen.reflected.add(reflected.energy[k] * in / (in + out - 1.0), reflected.mu[k],
-                           reflected.cos_azimuth[k]);
-    }
-    const ScatteredRays& refracted = light.refracted;
-    for (std::size_t k = 0; k < refracted.mu.size(); ++k) {
-        if (!(refracted.mu[k] > 0.0)) continue;
-        const double out = one_plus_lambda(refracted.mu[k]);
-        const double log_share =
-            log_gamma_in + log_gamma_above_1(out) - log_gamma_above_1(in + out);
-        seen.refracted.add(refracted.energy[k] * std::exp(log_share), refracted.mu[k],
-                           refracted.cos_azimuth[k]);
-    }
-    return seen;
+    FirstMeeting parts;
+    const auto split = [](const ScatteredRays& rays, ScatteredRays& leaving, ScatteredRays& hidden,
+                          const auto& hidden_share) {
+        for (std::size_t k = 0; k < rays.mu.size(); ++k) {
+            const double share = rays.mu[k] > 0.0 ? hidden_share(rays.mu[k]) : 1.0;
+            const double energy = rays.energy[k];
+            if (share < 1.0) leaving.add(energy * (1.0 - share), rays.mu[k], rays.cos_azimuth[k]);
+            if (share > 0.0) hidden.add(energy * share, rays.mu[k], rays.cos_azimuth[k]);
+        }
+    };
+    split(light.reflected, parts.leaving.reflected, parts.hidden.reflected, [&](double cosine) {
+        const double out = one_plus_lambda(cosine);
+        return (out - 1.0) / (in + out - 1.0);
+    });
+    split(light.refracted, parts.leaving.refracted, parts.hidden.refracted, [&](double cosine) {
+        const double out = one_plus_lambda(cosine);
+        return -std::expm1(log_gamma_in + log_gamma_above_1(out) - log_gamma_above_1(in + out));
+    });
+    return parts;
+}
+
+FacetScattering unhidden(const FacetScattering& light, const RoughSurface& surface, double mu) {
+    return split_by_facets(light, surface, mu).leaving;
 }
 
 }  // namespace miebrdf::rte

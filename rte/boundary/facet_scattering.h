@@ -57,6 +57,12 @@ FacetScattering scatter_by_facets(double relative_index, const RoughSurface& sur
 /// et al. 2016, over the visible share 1 / (1 + in).
 FacetScattering unhidden(const FacetScattering& light, const RoughSurface& surface, double mu);
 
+/// The same, and the others: rays that meet another facet.
+struct FirstMeeting {
+    FacetScattering leaving, hidden;
+};
+FirstMeeting split_by_facets(const FacetScattering& light, const RoughSurface& surface, double mu);
+
 /// B(1 + in, 1 + out): the share of facets that are seen from both sides of the boundary, by the
 /// light that meets them and in the direction into which they refract it.
 double seen_from_both_sides(double one_plus_lambda, double beyond);

@@ -14,6 +14,8 @@ constexpr double kWalkRefinement = 0.9;
 // It ends when this share of all beams is left.
 constexpr double kForgotten = 1e-5;
 constexpr int kMostFacets = 1000;
+// Directions of which fewer rays than this meet a second facet tell nothing of where.
+constexpr double kNoRay = 1e-9;
 
 /// One direction of a matrix with a column for each height of each beam: heights x beams.
 using HeightsOfBeams =
@@ -138,8 +140,17 @@ Eigen::MatrixXd FacetWalk::onto(const RefractionGrid& grid, int order) const {
 
 FacetWalk::Start FacetWalk::start(const Beam& beam) const {
     const double lambda = smith_lambda(surface_, beam.mu);
-    return {directions_after(beam.first, beam.from_air),
-            heights(HeightNodes(), 1.0, 1.0 / (1.0 + lambda), 0.0, !beam.from_air)};
+    const Eigen::VectorXd first =
+        heights(HeightNodes(), 1.0, 1.0 / (1.0 + lambda), 0.0, !beam.from_air);
+    Start start{directions_after(beam.first.hidden, beam.from_air),
+                Eigen::MatrixXd(2 * g2_.size(), kHeights)};
+    for (Eigen::Index d = 0; d < start.heights.rows(); ++d) {
+        // How many rays meet a facet is known ray by ray: nodes add where.
+        const Eigen::VectorXd second = meets_[std::size_t(d)] * first;
+        const double all = second.sum();
+        start.heights.row(d) = all > kNoRay ? Eigen::VectorXd(second / all) : first;
+    }
+    return start;
 }
 
 std::vector<Eigen::MatrixXd> FacetWalk::leaving(const std::vector<Start>& beams,
@@ -150,29 +161,28 @@ std::vector<Eigen::MatrixXd> FacetWalk::leaving(const std::vector<Start>& beams,
     const Eigen::MatrixXd to_grid[] = {onto(grid, 0), onto(grid, 1)};
     std::vector<Eigen::MatrixXd> energy;
     for (int m = 0; m < order_count_; ++m) {
-        // Rays that have just left a facet: rows are directions, columns heights by beams.
+        // Rays that meet a facet: rows are directions, columns heights by beams.
         Eigen::MatrixXd rays(directions, kHeights * count);
         for (Eigen::Index k = 0; k < count; ++k) {
             const Start& beam = beams[std::size_t(k)];
             rays.middleCols(k * kHeights, kHeights) =
-                beam.directions.col(m) * beam.heights.transpose();
+                beam.directions.col(m).asDiagonal() * beam.heights;
         }
-        const double all = rays.cwiseAbs().sum();
         Eigen::MatrixXd left = Eigen::MatrixXd::Zero(sides, count);
         for (int facets = 2; facets <= kMostFacets; ++facets) {
             math::interruption_point();
-            for (Eigen::Index d = 0; d < directions; ++d) {
-                HeightsOfBeams heights_of_beams(&rays(d, 0), kHeights, count,
-                                                {kHeights * directions, directions});
-                heights_of_beams = (meets_[std::size_t(d)] * heights_of_beams).eval();
-            }
             rays = turned_[std::size_t(m)] * rays;
             for (Eigen::Index d = 0; d < sides; ++d) {
                 const HeightsOfBeams heights_of_beams(&rays(d, 0), kHeights, count,
                                                       {kHeights * directions, directions});
                 left.row(d) += leaves_[std::size_t(d)] * heights_of_beams;
             }
-            if (!(rays.cwiseAbs().sum() > kForgotten * all)) break;
+            if (!(rays.cwiseAbs().sum() > kForgotten * double(count))) break;
+            for (Eigen::Index d = 0; d < directions; ++d) {
+                HeightsOfBeams heights_of_beams(&rays(d, 0), kHeights, count,
+                                                {kHeights * directions, directions});
+                heights_of_beams = (meets_[std::size_t(d)] * heights_of_beams).eval();
+            }
         }
         energy.push_back(to_grid[m % 2] * left);
     }

@@ -178,12 +178,13 @@ Eigen::VectorXd RoughBoundary::sky_entering() const {
 }
 
 FacetWalk::Beam RoughBoundary::beam_at_facet(bool from_air, double mu) const {
-    return {from_air, mu,
-            scatter_by_facets(from_air ? index_ : 1.0 / index_, surface_, mu, refinement_, edges_)};
+    const FacetScattering light =
+        scatter_by_facets(from_air ? index_ : 1.0 / index_, surface_, mu, refinement_, edges_);
+    return {from_air, mu, split_by_facets(light, surface_, mu)};
 }
 
 Eigen::MatrixXd RoughBoundary::after_one_facet(const FacetWalk::Beam& beam) const {
-    const FacetScattering light = unhidden(beam.first, surface_, beam.mu);
+    const FacetScattering& light = beam.first.leaving;
     Eigen::MatrixXd energy(g_.size(), order_count_);
     energy << functions_->inside(beam.from_air ? light.refracted : light.reflected, order_count_),
         functions_->in_air(beam.from_air ? light.reflected : light.refracted, order_count_);

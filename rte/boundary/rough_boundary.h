@@ -84,13 +84,12 @@ class FacetWalk {
     struct Beam {
         bool from_air;
         double mu;  ///< cosine of incidence
-        FacetScattering first;
+        FirstMeeting first;
     };
-    /// The same where its rays are sums: direction (of every order) and height, which are
-    /// independent. Rays take a hundred times the memory.
+    /// What of it meets a second facet: directions of every order, and where rays of each direction
+    /// meet it (directions x heights). Rays take a hundred times the memory.
     struct Start {
-        Eigen::MatrixXd directions;
-        Eigen::VectorXd heights;
+        Eigen::MatrixXd directions, heights;
     };
     Start start(const Beam& beam) const;
     /// Energy that leaves after two or more facets, for each order (nodes inside, nodes in air of
@@ -134,7 +133,7 @@ struct LightFromAir {
 /// One rough boundary on one grid; made once, used for all scenes of that index.
 ///
 /// Light that meets one facet is followed exactly, what meets more by FacetWalk. What both miss in
-/// the energy balance of order 0 (2e-3 but for grazing light) is put back evenly, so that nothing
+/// the energy balance of order 0 (4e-4 but for grazing light) is put back evenly, so that nothing
 /// is lost or won.
 class RoughBoundary {
   public:
