@@ -284,7 +284,7 @@ void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
     const double exact = passes_.exact_q_ext();
     const double missed = exact > 0 ? std::abs(optics_.q_ext / exact - 1) : change;
     optics_.error_estimate =
-        passes_.error(change, missed, 0.25, absorption, std::max(AverageLimits::kRounding, tail_));
+        passes_.error(change, missed, 1.0, absorption, std::max(AverageLimits::kRounding, tail_));
     // Rays err by so much however many sizes there are, and sizes will not do better: what they
     // miss of resonances falls with their number.
     gains_nothing_ = by_rays_ && optics_.error_estimate <= absorption &&

@@ -207,7 +207,7 @@ double matrix_seconds(const EnsembleRequest& request) {
     const int terms = ensemble.terms();
     const SizePasses passes(ensemble);
     const bool is_single = passes.rule() == Rule::single;
-    double sizes = (is_single ? 1.0 : 2.0) * passes.sizes_so_far();
+    double sizes = passes.sizes_of_first_estimate();
     // Resonances of large spheres are met by chance: as many more sizes are taken as the tolerance
     // is smaller than what the first ones reach. Measured for size parameters of 100 to 570 at 2e-4
     // to 2e-3: .7 to 2.8 times this for clear spheres, .15 to .5 times for opaque ones.

@@ -70,6 +70,7 @@ void SizePasses::start_even() {
     // Halved: the spacings that the ripple likes come later in the same series.
     first_count_ = coarsest_even_count(ensemble_.scatterer.ripple_period(), ensemble_.width_in_x());
     while (first_count_ > PassRule::kMostFirst) first_count_ /= 2;
+    first_count_ /= 2;  // two passes more tell of chance, and cost nothing so
     take(nested_size_nodes(ensemble_.sizes, ensemble_.range, first_count_, 0));
 }
 
@@ -107,8 +108,13 @@ const SizeSums& SizePasses::add(const SizeSumOptions& options, const Executor& r
 
 double SizePasses::error(double change, double missed, double share, double lasting, double least) {
     const double gain = change_before_ > 0 ? std::min(1.0, change / change_before_) : 1.0;
+    // Levels of ripple err independently of each other, and each level by as much as it changes the
+    // mean of those before. Two may agree by chance; one more difference, of half as many sizes,
+    // tells.
+    const double typical = std::hypot(change, change_before_ / 2) / std::numbers::sqrt2;
     const double before = std::exchange(lasting_before_, std::max(lasting, lasting_before_ / 2));
     change_before_ = change;
+    if (rule_ == Rule::even && pass_ < kFewestEven - 1) return 1;
     // Bends (between the rows of a table) converge slowly, and there is no exact extinction to
     // compare with.
     if (!ensemble_.law().analytic) {
@@ -120,7 +126,7 @@ double SizePasses::error(double change, double missed, double share, double last
     // gain promised 3e-4.
     share_left_ = rule_ == Rule::smooth && !ensemble_.ripples() ? gain : 1;
     if (rule_ == Rule::smooth) return std::max(share_left_ * change, least);
-    return std::max({missed, share * change, lasting, before / 2, least});
+    return std::max({missed, share * std::max(change, typical), lasting, before / 2, least});
 }
 
 }  // namespace miebrdf::mie

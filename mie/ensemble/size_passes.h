@@ -20,6 +20,10 @@ class SizePasses {
 
     Rule rule() const { return rule_; }
     int sizes_so_far() const { return sizes_so_far_; }
+    /// So many there will be, before the first pass, when an error is known.
+    int sizes_of_first_estimate() const {
+        return rule_ == Rule::single ? 1 : sizes_so_far_ << (rule_ == Rule::even ? 2 : 1);
+    }
 
     /// Sums over the sizes of the present pass, together with those of the passes before.
     const SizeSums& add(const SizeSumOptions& options, const Executor& run);
@@ -44,6 +48,8 @@ class SizePasses {
     bool ends_smooth() const;
 
   private:
+    /// Passes of the even rule before an error is known.
+    static constexpr int kFewestEven = 3;
     void take(SizeNodes nodes);
     void start_even();
 

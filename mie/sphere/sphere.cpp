@@ -168,6 +168,11 @@ SphereOptics optics_of(const OrderSums& sums, double x, double accuracy, double 
     return optics;
 }
 
+// A sphere like its host scatters nothing.
+SphereOptics no_sphere(double x) {
+    return optics_of({}, x, std::numeric_limits<double>::epsilon(), 1.0);
+}
+
 }  // namespace
 
 SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
@@ -175,6 +180,7 @@ SphereOptics scatter_by_sphere(Complex relative_index, double size_parameter) {
     SphereOptics optics =
         optics_of(sums_of(faint.index, size_parameter), size_parameter,
                   estimated_accuracy(relative_index, size_parameter), faint.share);
+    if (relative_index == 1.0) return no_sphere(size_parameter);
     if (!optics.reached) {
         optics.status = fmt::format("index within {:.1e} of the host's: about {} digits remain",
                                     std::abs(relative_index - 1.0),
@@ -190,6 +196,7 @@ SphereOptics scatter_by_sphere(std::span<const SphereLayer> layers) {
     for (const SphereLayer& layer : layers)
         contrast = std::max(contrast, std::abs(layer.relative_index - 1.0));
     const double x = layers.back().size_parameter;
+    if (contrast == 0) return no_sphere(x);
     SphereOptics optics = optics_of(sum_orders(by_coefficients(coefficients)), x,
                                     estimated_accuracy(1.0 + contrast, x), 1.0);
     if (!optics.reached) {

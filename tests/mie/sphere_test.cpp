@@ -223,6 +223,18 @@ TEST_CASE("no argument in the plane gives a NaN or breaks a bound", "[mie][spher
     }
 }
 
+TEST_CASE("a sphere of the index of its host scatters nothing at all", "[mie][sphere]") {
+    const double x = GENERATE(1e-3, 1.0, 300.0);
+    const mie::SphereLayer alike[] = {{1.0, 0.5 * x}, {1.0, x}};
+    for (const auto& optics : {mie::scatter_by_sphere(1.0, x), mie::scatter_by_sphere(alike)}) {
+        CHECK(optics.q_ext == 0);
+        CHECK(optics.q_sca == 0);
+        CHECK(optics.q_abs == 0);
+        CHECK(optics.q_back == 0);
+        CHECK(optics.reached);
+    }
+}
+
 TEST_CASE("a sphere refuses nonsense with the value in the message", "[mie][sphere][errors]") {
     CHECK_THROWS_WITH(mie::scatter_by_sphere({1.5, -0.1}, 1), Catch::Contains("-0.1"));
     CHECK_THROWS_WITH(mie::scatter_by_sphere({0, 0}, 1), Catch::Contains("[0.01, 100]"));
