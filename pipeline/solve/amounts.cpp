@@ -102,9 +102,20 @@ void require_possible(const ResolvedMedium& medium) {
 
 }  // namespace
 
+bool has_no_particles(const Medium& medium) {
+    return std::all_of(medium.species.begin(), medium.species.end(), [](const Species& species) {
+        return species.amount && species.amount->value == 0.0;
+    });
+}
+
 void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_m3,
                  std::optional<double> host_density_g_cm3) {
     ResolvedSpecies& first = medium.species.front();
+    if (has_no_particles(medium.medium)) {
+        medium.has_amounts = true;
+        for (ResolvedSpecies& species : medium.species) species.volume_fraction = 0.0;
+        return;
+    }
     if (medium.species.size() == 1 && !first.species.amount) {
         // All the mass of a layer of known density is that of its only species.
         if (!layer_density_kg_m3 || !first.density_g_cm3) return;
@@ -140,12 +151,6 @@ void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_
         }
     }
     if (medium.has_amounts) require_possible(medium);
-    if (!(filled_volume(medium) > 0.0)) {
-        throw UsageError(
-            fmt::format("medium '{}': all amounts are 0; allowed: one above 0, or a "
-                        "layer of optical depth 0",
-                        describe(medium.medium)));
-    }
     if (medium.species.size() > 1)
         std::erase_if(medium.species, [](const auto& one) { return one.volume_fraction == 0.0; });
 }
@@ -157,6 +162,12 @@ double column_um(const Depth& depth, const ResolvedMedium& medium) {
             "coat {}@{}: a thickness needs amounts; give volume=, mass= (with layer_density_kg_m3) "
             "or number=, e.g. volume=15%, the layer's density alone where the material's is known "
             "(density=), or an optical depth",
+            describe(medium.medium), describe(depth)));
+    }
+    if (has_no_particles(medium.medium)) {
+        throw UsageError(fmt::format(
+            "coat {}@{}: all amounts are 0, and no thickness has a mass of such particles; give a "
+            "thickness, e.g. 40um, or an amount above 0",
             describe(medium.medium), describe(depth)));
     }
     double mass_per_um = 0.0;

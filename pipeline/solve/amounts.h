@@ -8,7 +8,11 @@
 
 namespace miebrdf {
 
-/// Sets volume_fraction of every species, and has_amounts.
+/// Whether every amount is given as 0: there is the host alone.
+bool has_no_particles(const Medium& medium);
+
+/// Sets volume_fraction of every species, and has_amounts. Species of amount 0 beside others are
+/// left out.
 /// @param host_density_g_cm3  of what lies between the particles; empty: not known
 /// @throws UsageError  for densities that are missing, and sums that cannot be
 void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_m3,

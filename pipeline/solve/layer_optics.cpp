@@ -23,10 +23,15 @@ std::optional<double> mass_per_um(const ResolvedMedium& medium) {
     return sum;
 }
 
+/// Stands for a layer without particles or without depth, whose particles nobody asks about.
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
 LayerOptics layer_of(const ResolvedMedium& medium, const MediumOptics& optics) {
     LayerOptics layer;
     layer.single_scattering_albedo = optics.optics.single_scattering_albedo;
     layer.asymmetry = optics.asymmetry;
+    if (medium.has_amounts && optics.extinction_per_um == 0.0)
+        layer.single_scattering_albedo = layer.asymmetry = kNothing;
     if (!medium.has_extinction()) return layer;
     if (const auto mass = mass_per_um(medium))
         layer.mass_extinction_m2_per_kg = optics.extinction_per_um / *mass;
@@ -42,9 +47,6 @@ LayerOptics layer_of(const ResolvedMedium& medium, const MediumOptics& optics) {
     if (s_km >= 0.0) layer.s_km = s_km;
     return layer;
 }
-
-/// Stands for a layer without depth, whose particles nobody asks about.
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::size_t> counted_from(std::size_t first, std::size_t end) {
     std::vector<std::size_t> indices(end - first);

@@ -149,7 +149,7 @@ ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_
         resolver.add_source("substrate " + describe(*scene.substrate));
         resolved.media.emplace_back();
     } else {
-        resolved.media.push_back(resolver.medium(scene.base, wavelength_nm));
+        resolved.media.push_back(resolver.base(scene.base, wavelength_nm));
     }
     for (const Layer& layer : scene.layers) {
         if (layer.depth.value == 0.0) {

@@ -75,7 +75,7 @@ struct ResolvedMedium {
     std::vector<std::string> key = {};  ///< as of species
 
     bool needs_mie() const { return species.front().needs_mie(); }
-    bool has_extinction() const { return species.front().has_extinction(); }
+    bool has_extinction() const { return has_amounts || species.front().has_extinction(); }
 };
 
 /// How deep a layer is at every wavelength: `optical_depth` where it is the same at all; otherwise

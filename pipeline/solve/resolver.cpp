@@ -75,7 +75,7 @@ std::string cut_note(const Species& species) {
             describe(species), count - 1, last);
     };
     std::string found;
-    if (species.kind == Species::Kind::moments)
+    if (species.kind == Species::Kind::moments && !species.chi.empty())
         found =
             note(species.chi.size(), (2.0 * double(species.chi.size()) - 1.0) * species.chi.back());
     for (const MatrixCoefficients& matrix : species.matrices) {
@@ -130,6 +130,16 @@ double absorption_per_um(double k, double wavelength_nm) {
     return 4.0e3 * std::numbers::pi * k / wavelength_nm;
 }
 
+/// Stands for the particles of a layer that has none: it asks for no work of its own.
+ResolvedSpecies no_particles(const std::vector<double>& wavelength_nm) {
+    ResolvedSpecies none{.species = {.kind = Species::Kind::isotropic, .parameters = {1.0}},
+                         .wavelength_nm = wavelength_nm,
+                         .effective_radius_um = 1.0,
+                         .volume_fraction = 0.0};
+    for (std::size_t w = 0; w < wavelength_nm.size(); ++w) none.key.push_back(species_key(none, w));
+    return none;
+}
+
 }  // namespace
 
 /// Only numbers count: two names for the same figures are the same species. All members are named,
@@ -179,26 +189,29 @@ ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>&
     for (const Species& species : medium.species)
         resolved.species.push_back(this->species(species, wavelength_nm, host));
     set_amounts(resolved, scene_.particles.layer_density_kg_m3, host.density_g_cm3);
+    const bool is_host_alone = has_no_particles(medium);
+    if (is_host_alone) resolved.species = {no_particles(wavelength_nm)};
     if (by_extinction) set_host_absorption(host, wavelength_nm, optical_depth, resolved);
     resolved.host_absorption.resize(wavelength_nm.size(), 0.0);
     for (const std::complex<double> index : host.index) resolved.host_index.push_back(index.real());
-    set_packing(resolved);
+    if (!is_host_alone) set_packing(resolved);
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
         resolved.key.push_back(key_of(resolved, w));
     return resolved;
 }
 
+ResolvedMedium Resolver::base(const Medium& medium, const std::vector<double>& wavelength_nm) {
+    ResolvedMedium resolved = this->medium(medium, wavelength_nm);
+    require_depth(resolved);
+    return resolved;
+}
+
 ResolvedMedium Resolver::host_alone(const Medium& medium,
                                     const std::vector<double>& wavelength_nm) {
-    // It has no depth: whatever absorbs nothing asks for no work of its own.
-    static const Species clear{.kind = Species::Kind::isotropic, .parameters = {1.0}};
-    ResolvedMedium resolved{.medium = {{clear}, host_of(scene_, medium)}};
-    resolved.species.push_back({.species = clear, .wavelength_nm = wavelength_nm});
-    ResolvedSpecies& species = resolved.species.front();
-    for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
-        species.key.push_back(species_key(species, w));
-        resolved.key.push_back(species.key.back());
-    }
+    const ResolvedSpecies none = no_particles(wavelength_nm);
+    ResolvedMedium resolved{.medium = {{none.species}, host_of(scene_, medium)}};
+    resolved.species = {none};
+    resolved.key = none.key;
     resolved.host_absorption.assign(wavelength_nm.size(), 0.0);
     resolved.host_index = real_index(host_of(scene_, medium), wavelength_nm);
     return resolved;
@@ -212,6 +225,9 @@ ResolvedDepth Resolver::depth(const Layer& layer, const ResolvedMedium& medium) 
         resolved.column_um = column_um(depth, medium);
     } else if (medium.has_extinction() && depth.wavelength_nm > 0.0 && !std::isinf(depth.value)) {
         resolved.reference = reference(layer);
+        require_depth(*resolved.reference);
+    } else if (depth.value > 0.0) {
+        require_depth(medium);
     }
     return resolved;
 }
@@ -421,6 +437,19 @@ void Resolver::require_particles(const Layer& layer) {
     throw UsageError(
         fmt::format("coat {}@{}: its optics are given without an extinction; give an optical depth",
                     describe(layer.medium), describe(layer.depth)));
+}
+
+void Resolver::require_depth(const ResolvedMedium& medium) {
+    if (!has_no_particles(medium.medium)) return;
+    const auto clear = std::find(medium.host_absorption.begin(), medium.host_absorption.end(), 0.0);
+    if (clear == medium.host_absorption.end()) return;
+    const auto w = static_cast<std::size_t>(clear - medium.host_absorption.begin());
+    throw UsageError(fmt::format(
+        "medium '{}': all amounts are 0 and its host absorbs nothing at {} nm, so no thickness of "
+        "it has an optical depth, and light that enters a half-space of it never comes back; "
+        "allowed: a layer of some thickness (40um) over a substrate (black takes all light), an "
+        "amount above 0, or a host that absorbs",
+        describe(medium.medium), medium.species.front().wavelength_nm[w]));
 }
 
 ResolvedMedium Resolver::reference(const Layer& layer) {

@@ -24,6 +24,8 @@ class Resolver {
     /// @param optical_depth  of the layer, where nothing else tells how much there is of it
     ResolvedMedium medium(const Medium& medium, const std::vector<double>& wavelength_nm,
                           double optical_depth = std::numeric_limits<double>::infinity());
+    /// The same as a half-space.
+    ResolvedMedium base(const Medium& medium, const std::vector<double>& wavelength_nm);
     /// The rest of a layer without depth: its host, with no particles that need optics.
     ResolvedMedium host_alone(const Medium& medium, const std::vector<double>& wavelength_nm);
     ResolvedDepth depth(const Layer& layer, const ResolvedMedium& medium);
@@ -63,6 +65,8 @@ class Resolver {
     void set_packing(ResolvedMedium& medium);
     void note_crowding(const ResolvedSpecies& species, double change);
     static void require_particles(const Layer& layer);
+    /// Refuses optical depths of a host alone that absorbs nothing.
+    static void require_depth(const ResolvedMedium& medium);
     /// The medium of a layer at the wavelength of its depth.
     ResolvedMedium reference(const Layer& layer);
 

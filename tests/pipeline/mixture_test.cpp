@@ -266,6 +266,62 @@ TEST_CASE("amounts in other words are the same amounts", "[pipeline][mixture]") 
     CHECK(relative(tau, depth_of(ball + ",volume=13.513513513513514%@10um")) <= 1e-12);
 }
 
+TEST_CASE("where all amounts are 0 there is the host alone, on to which few particles join",
+          "[pipeline][mixture]") {
+    const auto scene_with = [](const std::string& coat, const std::string& below) {
+        Scene scene;
+        scene.substrate = substrate(below);
+        scene.boundary = boundary("smooth");
+        scene.layers = {layer(coat)};
+        return scene;
+    };
+    const std::string ball = "index:2.6,0,radius=0.1,distribution=mono,";
+    const SolverOptions fixed{.streams = 16};
+    const auto albedos = [&](const Scene& scene) {
+        return solve(scene, {450, 550}, fixed).albedo({0.4, 1.0});
+    };
+    struct Case {
+        std::string none, few, host;
+    };
+    for (const Case& c : {Case{"volume=0", "volume=1e-12", "index:1.5"},
+                          Case{"volume=0", "volume=1e-12", "index:1.5,0.003"},
+                          Case{"number=0/cm3", "number=1/cm3", "index:1.5,0.003"},
+                          Case{"mass=0,density=4", "volume=1e-12", "index:1.5,0.003"}}) {
+        CAPTURE(c.none, c.host);
+        const std::string in_host = " in " + c.host + "@10um";
+        for (const char* below : {"lambert:0.8", "none", "mirror:index:0.2,3"}) {
+            CAPTURE(below);
+            const auto none = albedos(scene_with(ball + c.none + in_host, below));
+            const auto few = albedos(scene_with(ball + c.few + in_host, below));
+            for (std::size_t w : {0, 1}) {
+                for (std::size_t i : {0, 1}) CHECK(std::abs(none.at(w, i) - few.at(w, i)) <= 1e-9);
+                CHECK(std::abs(none.plane_transmittance[w][1] - few.plane_transmittance[w][1]) <=
+                      1e-9);
+                const double k = c.host == "index:1.5" ? 0.0 : 0.003;
+                const double tau = 4 * M_PI * k / (w == 0 ? 0.45 : 0.55) * 10.0;
+                CHECK(std::abs(none.wavelengths[w].optical_depths.at(0) - tau) <= 1e-14 * tau);
+            }
+        }
+    }
+    // The other species stays, and order does not matter.
+    const std::string other = "index:1.9,0.01,radius=0.2,distribution=mono,volume=10%";
+    const auto alone = albedos(scene_with(other + " in index:1.5@10um", "lambert:0.8"));
+    for (const std::string& words :
+         {ball + "volume=0 + " + other, other + " + " + ball + "volume=0"})
+        CHECK(albedos(scene_with(words + " in index:1.5@10um", "lambert:0.8")).at(1, 0) ==
+              alone.at(1, 0));
+    // A half-space of an absorbing host is black below its boundary: Fresnel's ((n-1)/(n+1))^2.
+    Scene black = scene_of(ball + "volume=0 in index:1.5,0.003");
+    black.boundary = boundary("smooth");
+    CHECK(std::abs(albedos(black).at(0, 1) - 0.04) <= 1e-12);
+    CHECK_THROWS_WITH(solve(scene_of(ball + "volume=0 in index:1.5"), {550}),
+                      Catch::Contains("never comes back"));
+    const LayerOptics layer_of =
+        solve(scene_with(ball + "volume=0 in index:1.5,0.003@10um", "black"), {550}).layers().at(0);
+    CHECK(*layer_of.scattering_per_um == 0.0);
+    CHECK(relative(*layer_of.absorption_per_um, 4 * M_PI * 0.003 / 0.55) <= 1e-14);
+}
+
 TEST_CASE("amounts that cannot be are refused with the reason", "[pipeline][mixture][errors]") {
     struct Case {
         std::string coat, complaint;
@@ -281,7 +337,9 @@ TEST_CASE("amounts that cannot be are refused with the reason", "[pipeline][mixt
         Case{"hg:0.9,0.5,volume=5%@1", "volume"},
         Case{"hg:0.9,0.5 + index:1.6,0,volume=5%@1", "hg:0.9,0.5"},
         Case{"index:1.6,0,volume=5%,mass=5%@1um", "more than one amount"},
-        Case{"index:1.6,0,density=-1@1", "-1"}, Case{"index:1.6,0,number=0@1um", "above 0"},
+        Case{"index:1.6,0,density=-1@1", "-1"}, Case{"index:1.6,0,number=0@1", "above 0"},
+        Case{"index:1.6,0,mass=0,density=2 in index:1.5@2kg/m2", "above 0"},
+        Case{"index:1.6,0,volume=0 in index:1.5@inf", "never comes back"},
         Case{"index:1.6,0,volume=1% in nosuchhost@1um", "nosuchhost"},
         Case{"index:1.6,0 in index:1.5,0.01@1", "absorbs"},
         Case{"index:1.6,0,volume=1% in index:0@1um", "> 0"}, Case{"index:1.6,0@-1um", "-1"},

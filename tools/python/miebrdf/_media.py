@@ -85,7 +85,7 @@ def medium(
     density_g_cm3 : float, optional
         Of the particles' material in g/cm3; default: that of the database.
     volume, mass : float, optional
-        Share of the layer's volume or mass, in (0, 1].
+        Share of the layer's volume or mass, in [0, 1].
     number_per_cm3 : float, optional
         Particles in a cubic centimetre.
     host : str or complex, optional
