@@ -241,9 +241,10 @@ void NumberTable::require_names(std::initializer_list<std::string_view> needed,
                            std::any_of(allowed.begin(), allowed.end(), is);
         const auto same = [&](const std::string& other) { return other == name; };
         if (known && std::count_if(names_.begin(), names_.end(), same) == 1) continue;
-        refuse(fmt::format("column '{}' is unknown or there twice; allowed: {}{}{}", name,
-                           fmt::join(needed, ", "), allowed.size() > 0 ? ", " : "",
-                           fmt::join(allowed, ", ")));
+        std::vector<std::string_view> all(needed);
+        all.insert(all.end(), allowed);
+        refuse(fmt::format("column '{}' is unknown or there twice; allowed: '{}'", name,
+                           fmt::join(all, "', '")));
     }
 }
 
@@ -258,7 +259,7 @@ const std::vector<double>* NumberTable::find(std::string_view name) const {
 const std::vector<double>& NumberTable::column(std::string_view name) const {
     const std::vector<double>* found = find(name);
     if (found == nullptr)
-        refuse(fmt::format("no column '{}'; there are {}", name, fmt::join(names_, ", ")));
+        refuse(fmt::format("no column '{}'; there are '{}'", name, fmt::join(names_, "', '")));
     return *found;
 }
 

@@ -21,6 +21,8 @@ std::string kind_text(const Species& species) {
     if (species.kind == Species::Kind::index)
         return p[1] == 0.0 ? fmt::format("n = {:g}", p[0])
                            : fmt::format("n = {:g}, k = {:g}", p[0], p[1]);
+    if (species.kind == Species::Kind::henyey_greenstein && !species.name.empty())
+        return "Henyey-Greenstein of " + species.name;
     if (species.kind == Species::Kind::henyey_greenstein)
         return fmt::format("Henyey-Greenstein, albedo {:g}, g {:g}", p[0], p[1]);
     if (species.kind == Species::Kind::double_henyey_greenstein)

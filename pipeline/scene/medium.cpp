@@ -128,6 +128,18 @@ std::string describe_parameters(const Species& species) {
     return text;
 }
 
+/// Whether what follows the colon begins with no number.
+bool names_file(const std::string& values) {
+    const std::vector<std::string> parts = split_list(values);
+    if (parts.empty() || parts.front().empty()) return false;
+    try {
+        parse_number(parts.front(), "file");
+    } catch (const UsageError&) {
+        return true;
+    }
+    return false;
+}
+
 /// Reads the words before the keys.
 void read_species(const std::string& text, const MediumKind& kind, Species& species) {
     if (text.empty()) {
@@ -138,6 +150,8 @@ void read_species(const std::string& text, const MediumKind& kind, Species& spec
         kind.kind == Species::Kind::material ? text : text.substr(text.find(':') + 1);
     if (kind.read) {
         kind.read(values, species);
+    } else if (kind.read_file && names_file(values)) {
+        kind.read_file(values, species);
     } else {
         species.parameters = read_parameters(text, values, kind);
     }

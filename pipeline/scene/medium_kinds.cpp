@@ -87,14 +87,26 @@ const MediumParameter kAsymmetry = {"asymmetry", "(-1, 1)",
                                     [](double g) { return g > -1.0 && g < 1.0; }};
 
 MediumKind henyey_greenstein() {
-    return {.kind = Species::Kind::henyey_greenstein,
-            .name = "hg",
-            .form = "hg:ALBEDO,G",
-            .example = "hg:0.9,0.7",
-            .help = "the phase function of Henyey and Greenstein (1941) with asymmetry G",
-            .parameters = {kAlbedo, kAsymmetry},
-            .optics = [](const Species& m, double) {
-                return rte::henyey_greenstein_optics(m.parameters[0], m.parameters[1]);
+    return {
+        .kind = Species::Kind::henyey_greenstein,
+        .name = "hg",
+        .form = "hg:ALBEDO,G or hg:FILE",
+        .example = "hg:0.9,0.7",
+        .help =
+            "the phase function of Henyey and Greenstein (1941) with asymmetry G; hg:FILE takes "
+            "a CSV file with the columns wavelength_nm, single_scattering_albedo, g",
+        .parameters = {kAlbedo, kAsymmetry},
+        .read_file = read_asymmetry_file,
+        .optics =
+            [](const Species& m, double nm) {
+                if (m.matrices.empty())
+                    return rte::henyey_greenstein_optics(m.parameters[0], m.parameters[1]);
+                const MatrixCoefficients at = coefficients_at(m, nm);
+                return rte::henyey_greenstein_optics(at.single_scattering_albedo, at.a1[1] / 3.0);
+            },
+        .check =
+            [](const Species& m) {
+                if (!m.matrices.empty()) check_matrices(m);
             }};
 }
 
@@ -119,12 +131,19 @@ MediumKind double_henyey_greenstein() {
             }};
 }
 
+/// Of coefficients at all wavelengths, at least `least`.
+int most_orders(const Species& species, std::size_t least) {
+    std::size_t most = least;
+    for (const MatrixCoefficients& at : species.matrices) most = std::max(most, at.a1.size());
+    return static_cast<int>(most);
+}
+
 MediumKind moments() {
     return {.kind = Species::Kind::moments,
             .name = "moments",
             .form = "moments:FILE",
             .example = "moments:mine.csv",
-            .help = "albedo and Legendre moments from a CSV file",
+            .help = "albedo and Legendre moments from a CSV file, also for several wavelengths",
             .parameters = {kAlbedo},
             .read =
                 [](const std::string& values, Species& species) {
@@ -132,17 +151,26 @@ MediumKind moments() {
                     species.name = values;
                     species.parameters = {file.single_scattering_albedo};
                     species.chi = std::move(file.chi);
+                    species.wavelength_nm = std::move(file.by_wavelength.wavelength_nm);
+                    species.matrices = std::move(file.by_wavelength.matrices);
                 },
             .optics =
-                [](const Species& m, double) {
+                [](const Species& m, double nm) {
+                    if (!m.matrices.empty()) return optics_of_matrices(m, nm);
                     rte::Optics optics;
                     optics.single_scattering_albedo = m.parameters[0];
                     optics.one_minus_albedo = 1.0 - m.parameters[0];
                     optics.chi = m.chi;
                     return optics;
                 },
-            .check = [](const Species& m) { check_moments(m.chi); },
-            .most_fourier_orders = [](const Species& m) { return static_cast<int>(m.chi.size()); }};
+            .check =
+                [](const Species& m) {
+                    if (m.matrices.empty()) return check_moments(m.chi);
+                    if (!m.chi.empty())
+                        throw std::invalid_argument("chi beside matrices; allowed: one of them");
+                    check_matrices(m);
+                },
+            .most_fourier_orders = [](const Species& m) { return most_orders(m, m.chi.size()); }};
 }
 
 MediumKind matrix() {
@@ -162,13 +190,7 @@ MediumKind matrix() {
                 },
             .optics = optics_of_matrices,
             .check = check_matrices,
-            .most_fourier_orders =
-                [](const Species& m) {
-                    std::size_t most = 1;
-                    for (const MatrixCoefficients& at : m.matrices)
-                        most = std::max(most, at.a1.size());
-                    return static_cast<int>(most);
-                }};
+            .most_fourier_orders = [](const Species& m) { return most_orders(m, 1); }};
 }
 
 MediumKind scattering() {

@@ -33,6 +33,8 @@ struct MediumKind {
     /// Reads what follows the colon into name, parameters and chi; empty: `parameters`, numbers
     /// separated by commas.
     std::function<void(const std::string& values, Species& species)> read = {};
+    /// Where `parameters` may come from a file in place of numbers: reads it.
+    std::function<void(const std::string& path, Species& species)> read_file = {};
     /// Its optics, where the medium brings them; empty: spheres of a refractive index, through Mie
     /// theory. The first parameter is then the single-scattering albedo.
     std::function<rte::Optics(const Species& species, double wavelength_nm)> optics = {};

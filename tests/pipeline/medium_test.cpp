@@ -351,6 +351,101 @@ TEST_CASE("a moments file that does not exist is named", "[pipeline][moments_fil
     CHECK_THROWS_WITH(read_moments_file("/no/such/file.csv"), Catch::Contains("/no/such/file.csv"));
 }
 
+namespace {
+
+/// Plane albedos and a reflectance of half-spaces in these words, at some wavelengths.
+std::vector<double> values_of(const std::string& words, const std::vector<double>& nm) {
+    const Brdf brdf = solve(support::scene_of(words), nm, {.streams = 16});
+    const auto albedos = brdf.albedo({0.5});
+    const auto table = brdf.evaluate({{0.3}, {0.8}, {60.0}});
+    std::vector<double> values;
+    for (std::size_t w = 0; w < nm.size(); ++w) {
+        values.push_back(albedos.at(w, 0));
+        values.push_back(table.at(w, 0, 0, 0));
+    }
+    return values;
+}
+
+}  // namespace
+
+TEST_CASE("moments and asymmetries over wavelengths are those of each, linear between",
+          "[pipeline][moments_file]") {
+    const support::TemporaryFolder folder;
+    const std::string spectral_moments =
+        folder.write("m.csv",
+                     "wavelength_nm,single_scattering_albedo,l,chi\n"
+                     "400,0.5,0,1\n400,0.5,1,0.2\n"
+                     "600,0.9,0,1\n600,0.9,1,0.4\n600,0.9,2,0.2\n");
+    const std::string spectral_hg =
+        folder.write("h.csv", "wavelength_nm,albedo,asymmetry\n400,0.5,0.2\n600,0.9,0.6\n");
+    const auto moments = [&](const char* name, const std::string& rows) {
+        return "moments:" + folder.write(name, rows);
+    };
+    const std::string at_400 =
+        moments("400.csv", "# single_scattering_albedo: 0.5\nl,chi\n0,1\n1,0.2\n");
+    const std::string at_450 =
+        moments("450.csv", "# single_scattering_albedo: 0.6\nl,chi\n0,1\n1,0.25\n2,0.05\n");
+    const std::string at_600 =
+        moments("600.csv", "single_scattering_albedo,l,chi\n0.9,0,1\n0.9,1,0.4\n0.9,2,0.2\n");
+    struct Case {
+        std::string spectral;
+        std::vector<std::string> alone;
+    };
+    for (const Case& c : {Case{"moments:" + spectral_moments, {at_400, at_450, at_600}},
+                          Case{"hg:" + spectral_hg, {"hg:0.5,0.2", "hg:0.6,0.3", "hg:0.9,0.6"}}}) {
+        CAPTURE(c.spectral);
+        CHECK(describe(medium(c.spectral)) == c.spectral);
+        const std::vector<double> nm = {400, 450, 600}, all = values_of(c.spectral, nm);
+        for (std::size_t w = 0; w < nm.size(); ++w) {
+            const std::vector<double> one = values_of(c.alone[w], {nm[w]});
+            for (std::size_t i = 0; i < 2; ++i)
+                CHECK(relative_error(all[2 * w + i], one[i]) <= 1e-12);  // rounding
+        }
+        for (const double outside : {399.0, 601.0}) {
+            CHECK_THROWS_AS(solve(support::scene_of(c.spectral), {outside}), InputError);
+            CHECK_THROWS_WITH(solve(support::scene_of(c.spectral), {outside}),
+                              Catch::Contains("covers 400 to 600 nm"));
+        }
+    }
+    // One albedo for all wavelengths; without wavelengths a single row.
+    const std::string grey = folder.write(
+        "g.csv", "# single_scattering_albedo: 0.8\nwavelength_nm,g\n400,0.2\n600,0.6\n");
+    CHECK(relative_error(values_of("hg:" + grey, {500})[0], values_of("hg:0.8,0.4", {500})[0]) <=
+          1e-12);
+    const std::string single = folder.write("s.csv", "single_scattering_albedo,g\n0.8,0.7\n");
+    CHECK(species("hg:" + single).parameters == std::vector<double>{0.8, 0.7});
+    CHECK(values_of("hg:" + single, {500}) == values_of("hg:0.8,0.7", {500}));
+}
+
+TEST_CASE("wrong moments and asymmetries over wavelengths are refused with file and line",
+          "[pipeline][moments_file][errors]") {
+    struct Case {
+        const char* kind;
+        const char* content;
+        const char* complaint;
+    };
+    const std::string albedo = "# single_scattering_albedo: 0.9\n";
+    const Case wrong = GENERATE(
+        Case{"moments:", "wavelength_nm,l,chi\n500,0,1\n400,0,1\n", "csv:4: wavelength 400"},
+        Case{"moments:", "wavelength_nm,l,chi\n500,0,1\n600,1,0.2\n", "another wavelength"},
+        Case{"moments:", "wavelength_nm,l,chi\n500,0,1\n600,0,1\n600,1,0.9\n", "negative"},
+        Case{"moments:", "l,chi\n0,1\n0,1\n", "need a column 'wavelength_nm'"},
+        Case{"moments:", "single_scattering_albedo,l,chi\n1.2,0,1\n", "1.2 is out of range"},
+        Case{"moments:", "frequency,l,chi\n5,0,1\n", "column 'frequency' is unknown"},
+        Case{"hg:", "wavelength_nm,g\n500,0.2\n500,0.3\n", "csv:4: wavelength 500"},
+        Case{"hg:", "g\n0.2\n0.3\n", "need a column 'wavelength_nm'"},
+        Case{"hg:", "wavelength_nm,g\n500,1\n", "asymmetry 1; allowed: (-1, 1)"},
+        Case{"hg:", "wavelength_nm,albedo\n500,1\n", "no column 'g'"},
+        Case{"hg:", "albedo,single_scattering_albedo,g\n1,1,0\n", "are the same"});
+    const support::TemporaryFolder folder;
+    const std::string words = wrong.kind + folder.write("wrong.csv", albedo + wrong.content);
+    CAPTURE(wrong.content);
+    CHECK_THROWS_AS(medium(words), InputError);
+    CHECK_THROWS_WITH(medium(words),
+                      Catch::Contains("wrong.csv:") && Catch::Contains(wrong.complaint));
+    CHECK_THROWS_WITH(medium("hg:/no/such.csv"), Catch::Contains("/no/such.csv"));
+}
+
 TEST_CASE("moments and grounds are read as spreadsheets write them", "[pipeline][moments_file]") {
     const support::TemporaryFolder folder;
     const std::string mark = "\xef\xbb\xbf";

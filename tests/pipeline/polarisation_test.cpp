@@ -108,7 +108,7 @@ TEST_CASE("files of coefficients that are wrong are refused with their line",
     const auto wrong =
         GENERATE_COPY(Case{"", "no rows"}, Case{head + "1,1,0,0,0,0,0\n", "wrong.csv:3"},
                       Case{head + "0,1,0,0,0,0\n", "6 fields under 7"},
-                      Case{head + "0,1,0,0,0,0,0\n2,0,0,0,0,0,0\n", "l = 2 where 1"},
+                      Case{head + "0,1,0,0,0,0,0\n2,0,0,0,0,0,0\n", "l = 2; expected 1"},
                       Case{head + "0,0.5,0,0,0,0,0\n", "0.5"},
                       Case{head + "0,1,0,0,0,0,0\n1,nan,0,0,0,0,0\n", "wrong.csv:4"},
                       Case{"l,a1,a2,a3,a4,b1,b2\n0,1,0,0,0,0,0\n", "albedo"},

@@ -140,15 +140,15 @@ struct Species {
         scattering
     };
     Kind kind = Kind::material;
-    /// material: NAME or source:KEY; moments, matrix, scattering: the file's path; table: any
+    /// material: NAME or source:KEY; what is read from a file: its path; table: any
     std::string name = {};
     /// The numbers after the colon, rayleigh with its depolarisation factor, which may be left out;
-    /// moments, matrix, scattering: the albedo (the mean over the wavelengths).
+    /// moments, matrix, scattering: the albedo. Over several wavelengths the means.
     std::vector<double> parameters = {};
-    std::vector<double> chi = {};  ///< moments: chi_0 = 1, chi_1, ...
-    /// table, matrix: in vacuum, ascending; matrix: empty where it is the same at all
+    std::vector<double> chi = {};  ///< moments, the same at all: chi_0 = 1, chi_1, ...
+    /// table, matrix, moments, hg: in vacuum, ascending; but for table empty: the same at all
     std::vector<double> wavelength_nm = {};
-    /// matrix: at each wavelength, linear between; scattering: of each entry, or empty
+    /// At each wavelength, linear between (moments: a1 alone; hg: {1, 3 g}); scattering: entries
     std::vector<MatrixCoefficients> matrices = {};
     std::vector<std::complex<double>> index = {};  ///< table: n + ik at each wavelength, between
                                                    ///< them monotone cubic in photon energy
@@ -181,7 +181,7 @@ struct Medium {
 };
 
 /// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
-/// `hg:ALBEDO,G`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE` or `matrix:FILE` (the file is read here;
+/// `hg:ALBEDO,G`, `hg:FILE`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE`, `matrix:FILE` (read here;
 /// names are looked up by solve()), then sizes and amounts of its own:
 /// `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
