@@ -146,7 +146,7 @@ class Importer {
 
     void add_catalogue(const fs::path& file) {
         for (const CataloguePage& page :
-             read_catalogue(without_mark(read_bytes(file), file.string()), file.string())) {
+             read_catalogue(text_of(read_bytes(file), file.string()), file.string())) {
             Candidate candidate{page.data, false, {}, page.refusal};
             try {
                 if (candidate.refusal.empty())

@@ -97,8 +97,8 @@ SourceFile read_source(const std::filesystem::path& file) {
     if (pair.format != nullptr && text.empty() && second.empty())
         throw ImportError(file.string(), 0, "is empty");
     source.sha256 = sha256_hex(text + second);
-    source.text = without_mark(std::move(text), first);
-    source.second_text = without_mark(std::move(second), file.string());
+    source.text = text_of(std::move(text), first);
+    source.second_text = text_of(std::move(second), file.string());
     return source;
 }
 

@@ -85,14 +85,22 @@ bool is_mislabelled_inas(const SopraHeader& header, const RawTable& table) {
 }
 
 // Commas separate numbers or are decimal. They are decimal where the numbers between blanks are as
-// many as the header announces.
+// many as the header announces; and where they are fewer, but none has a point and some a comma.
 Words words_of(std::string_view text) {
     const std::string_view blanks = kSeparators.substr(0, kSeparators.size() - 1);
     Words words(text, blanks);
     const auto header = read_sopra_header(words);
-    int missing = header ? 2 * (header->intervals + 1) : 1;
-    while (missing > 0 && table_number(words.next())) --missing;
-    return missing > 0 ? Words(text) : Words(text, blanks);
+    if (!header) return Words(text);
+    int missing = 2 * (header->intervals + 1);
+    bool has_points = false, has_commas = false;
+    for (std::string_view word = words.next(); missing > 0 && table_number(word);
+         word = words.next()) {
+        has_points = has_points || word.find('.') != word.npos;
+        has_commas = has_commas || word.find(',') != word.npos;
+        --missing;
+    }
+    const bool are_decimal = missing == 0 || (has_commas && !has_points);
+    return are_decimal ? Words(text, blanks) : Words(text);
 }
 
 // The announced rows are followed by surplus numbers, or by words such as "Dispersion law".

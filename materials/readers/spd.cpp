@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <string>
 #include <utility>
 
 #include "materials/readers/file_format.h"
@@ -11,6 +12,17 @@ namespace miebrdf::materials {
 namespace {
 
 bool looks_like_spd(std::string_view text) { return first_row_has(text, '#', 2); }
+
+/// Two files of one material that have no wavelength in common are not in the same unit.
+void require_overlap(const Dataset& d, const std::string& file) {
+    if (!d.n || !d.k) return;
+    if (d.n->shortest_nm <= d.k->longest_nm && d.k->shortest_nm <= d.n->longest_nm) return;
+    throw ImportError(
+        file, 0,
+        fmt::format("n ({:g} to {:g} nm) and k ({:g} to {:g} nm) have no wavelength in common; "
+                    "allowed: two files in nm; convert the one that is in another unit",
+                    d.n->shortest_nm, d.n->longest_nm, d.k->shortest_nm, d.k->longest_nm));
+}
 
 Dataset read_spd(const SourceFile& source, const ReadOptions& options) {
     const std::string file = pair_base(source.path).string();
@@ -26,6 +38,7 @@ Dataset read_spd(const SourceFile& source, const ReadOptions& options) {
     read(source.text, true);
     read(source.second_text, false);
     if (!dataset.n && !dataset.k) throw ImportError(file, 0, "no data");
+    require_overlap(dataset, file);
     return dataset;
 }
 

@@ -76,9 +76,14 @@ std::string read_bytes(const std::filesystem::path& file) {
 std::string without_mark(std::string text, const std::string& file) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
         throw ImportError(file, 0, "is UTF-16 text; save it as UTF-8");
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+    return text;
+}
+
+std::string text_of(std::string bytes, const std::string& file) {
+    std::string text = without_mark(std::move(bytes), file);
     if (text.find('\0') != std::string::npos)
         throw ImportError(file, 0, "holds binary data; allowed: text");
-    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
     return text;
 }
 
@@ -197,7 +202,7 @@ double TextTable::number(std::string_view field) {
 void TextTable::refuse(const std::string& reason) const { throw ImportError(file_, line_, reason); }
 
 NumberTable::NumberTable(const std::string& path) : path_(path) {
-    const std::string text = without_mark(read_bytes(path), path);
+    const std::string text = text_of(read_bytes(path), path);
     TextTable table(text, path);
     while (table.next()) {
         const std::vector<std::string>& fields = table.fields();

@@ -16,8 +16,10 @@ namespace miebrdf::materials {
 
 /// @throws ImportError  when it cannot be read or is larger than 256 MiB
 std::string read_bytes(const std::filesystem::path& file);
-/// The text without its byte-order mark. @throws ImportError  for UTF-16 and what is no text
+/// The text without its byte-order mark. @throws ImportError  for UTF-16
 std::string without_mark(std::string text, const std::string& file);
+/// The same of a file that must be text. @throws ImportError  for other bytes, too
+std::string text_of(std::string bytes, const std::string& file);
 
 /// A finite number with a decimal point or comma, "45 %" as 0.45; nothing for another text.
 std::optional<double> table_number(std::string_view field);

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pipeline/scene/number_list.h"
 #include "pipeline/scene/species_keys.h"
 #include "pipeline/scene/word_setters.h"
 
@@ -33,6 +34,15 @@ void set_effective_radius(const SceneWord& word, WordValues values, Request& req
     } else {
         radius_um = finite_number(value, word.name);
     }
+}
+
+void set_layer_density(const SceneWord& word, WordValues values, Request& request) {
+    constexpr Unit kDensities[] = {{"kg/m3", 1, 1}, {"g/cm3", 1000, 1}, {"", 1, 1}};
+    const WordValue& value = one_value(word, values);
+    const auto* text = std::get_if<std::string>(&value);
+    request.scene.particles.layer_density_kg_m3 = text != nullptr
+                                                      ? parse_quantity(*text, word.name, kDensities)
+                                                      : finite_number(value, word.name);
 }
 
 template <auto member>
@@ -87,11 +97,11 @@ std::vector<SceneWord> particle_words() {
          .group = group,
          .field = "layer_density_kg_m3",
          .unit = "kg/m3",
-         .set = set_particle_number<&ParticleOptions::layer_density_kg_m3>},
+         .set = set_layer_density},
         {.name = "packing",
          .placeholder = "NAME",
          .help = "how crowded particles scatter: " + list_of(kPackings) +
-                 " (hard spheres that see their own kind; needs amounts)",
+                 " (hard spheres; needs amounts)",
          .group = group,
          .default_text = kPackings[0].name,
          .field = "packing",

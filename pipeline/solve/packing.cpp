@@ -6,6 +6,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
+
+#include <Eigen/LU>
 
 #include <miebrdf/error.h>
 #include <miebrdf/sphere.h>
@@ -21,25 +24,40 @@ constexpr double kLargestSizeParameter = 300.0;
 constexpr int kNodesPerPanel = 12;
 constexpr double kPi = std::numbers::pi;
 
-/// sum_k (-1)^k y^(2k) / ((2k + 1)! (2k + power)): the integral of x^(power - 1) sin(yx) / (yx).
-double series(double y, int power) {
-    double sum = 0.0, term = 1.0;
-    for (int k = 0; k < 14; ++k) {
-        sum += term / (2 * k + power);
-        term *= -y * y / ((2 * k + 2) * (2 * k + 3));
+/// The integral over r from R - d to R of exp(iqr) (a / 2 (r^2 - R^2) + b (r - R)).
+std::complex<double> baxter_integral(double a, double b, double R, double d, double q) {
+    const std::complex<double> z(0.0, -q * d);
+    std::complex<double> first, second;  // integrals over s from 0 to 1 of s exp(zs), s^2 exp(zs)
+    if (std::abs(z) < 1.0) {
+        std::complex<double> term = 1.0;
+        for (int k = 0; k < 18; ++k) {
+            first += term / double(k + 2);
+            second += term / double(k + 3);
+            term *= z / double(k + 1);
+        }
+    } else {
+        const std::complex<double> e = std::exp(z);
+        first = (e - (e - 1.0) / z) / z;
+        second = (e - 2.0 * first) / z;
     }
-    return sum;
+    return std::polar(d * d, q * R) * (0.5 * a * d * second - (a * R + b) * first);
+}
+
+double wave_number_per_um(const Particles& at) {
+    return 2.0e3 * kPi * at.host_index / at.wavelength_nm;
 }
 
 double kd_of(const ResolvedSpecies& species, std::size_t w) {
-    const Particles& at = species.particles[w];
-    const double k_per_um = 2.0e3 * kPi * at.host_index / at.wavelength_nm;
-    return 2.0 * k_per_um * species.outer_radius_um;
+    return 2.0 * wave_number_per_um(species.particles[w]) * species.outer_radius_um;
+}
+
+double largest_kd(const Structure& structure) {
+    return *std::max_element(structure.spheres.diameter.begin(), structure.spheres.diameter.end());
 }
 
 /// A sphere of this radius, or with such a core.
 std::vector<mie::SphereLayer> layers_of(const Particles& at, double radius_um) {
-    const double k_per_um = 2.0e3 * kPi * at.host_index / at.wavelength_nm;
+    const double k_per_um = wave_number_per_um(at);
     const double core = k_per_um * radius_um;
     std::vector<mie::SphereLayer> layers = {{at.index / at.host_index, core}};
     for (const mie::ParticleCoating& coating : at.coatings) {
@@ -96,61 +114,98 @@ double cubic_at(const std::vector<double>& values, double x) {
            v[3] * t * (t - 1.0) * (t - 2.0) / 6.0;
 }
 
-/// |<F>|^2 / <|F|^2> at angles alike apart, of spheres of the effective radius.
-std::vector<double> coherent_shares(const ResolvedSpecies& species, std::size_t w, double kd) {
-    constexpr double kStep = 0.15;  // of kd times the angle: cubics then err by 1e-5
-    const int intervals = static_cast<int>(std::ceil(kPi * std::max(kd, 20.0) / kStep));
+/// At angles alike apart, of spheres of the effective radii.
+std::vector<double> structure_at_angles(const std::vector<CrowdMember>& crowd, std::size_t w,
+                                        const Structure& structure) {
+    constexpr double kStep = 0.05;  // of kd times the angle: cubics then err by 1e-7
+    const int intervals =
+        static_cast<int>(std::ceil(kPi * std::max(largest_kd(structure), 20.0) / kStep));
     std::vector<double> degrees;
     for (int i = 0; i <= intervals; ++i) degrees.push_back(180.0 * i / intervals);
-    const std::size_t count = degrees.size();
-    std::vector<std::complex<double>> mean_s1(count), mean_s2(count);
-    std::vector<double> intensity(count), shares(count);
-    for (const CrowdMember& member : species.crowd) {
-        const auto f = mie::scattering_amplitudes(
-            layers_of(member.particles[w], species.effective_radius_um), degrees);
-        for (std::size_t i = 0; i < count; ++i) {
-            mean_s1[i] += member.share * f.s1[i];
-            mean_s2[i] += member.share * f.s2[i];
-            intensity[i] += member.share * (std::norm(f.s1[i]) + std::norm(f.s2[i]));
-        }
+    const auto kinds = static_cast<Eigen::Index>(crowd.size());
+    std::vector<mie::Amplitudes> amplitudes;
+    for (const CrowdMember& member : crowd) {
+        amplitudes.push_back(mie::scattering_amplitudes(
+            layers_of(member.particles[w], member.effective_radius_um), degrees));
     }
-    for (std::size_t i = 0; i < count; ++i)
-        shares[i] = (std::norm(mean_s1[i]) + std::norm(mean_s2[i])) / intensity[i];
-    return shares;
+    std::vector<double> factors;
+    for (std::size_t a = 0; a < degrees.size(); ++a) {
+        Eigen::MatrixX2cd f(kinds, 2);
+        for (Eigen::Index i = 0; i < kinds; ++i) {
+            const auto m = std::size_t(i);
+            const double root = std::sqrt(structure.spheres.volume_fraction[m] /
+                                          std::pow(structure.spheres.diameter[m], 3));
+            f(i, 0) = root * amplitudes[m].s1[a];
+            f(i, 1) = root * amplitudes[m].s2[a];
+        }
+        const double q = 2.0 * std::sin(0.5 * kPi * double(a) / intervals);
+        const Eigen::MatrixXcd Q = baxter_factor(structure.spheres, q);
+        const Eigen::MatrixX2cd crowded = Q.adjoint().partialPivLu().solve(f);
+        factors.push_back(crowded.squaredNorm() / f.squaredNorm());
+    }
+    return factors;
 }
 
+/// Members without an amount are not there.
 Structure structure_of(const ResolvedSpecies& species, std::size_t w) {
-    Structure structure{species.crowd_fraction, kd_of(species, w)};
-    if (!species.crowd.empty()) structure.coherent = coherent_shares(species, w, structure.kd);
+    Structure structure;
+    bool differ = false;
+    const CrowdMember& first = species.crowd.front();
+    for (const CrowdMember& member : species.crowd) {
+        structure.spheres.diameter.push_back(2.0 * wave_number_per_um(member.particles[w]) *
+                                             member.outer_radius_um);
+        structure.spheres.volume_fraction.push_back(member.volume_fraction);
+        differ = differ || member.key[w] != first.key[w];
+    }
+    if (differ) {
+        structure.at_angles = structure_at_angles(species.crowd, w, structure);
+    } else {
+        std::vector<double>& all = structure.spheres.volume_fraction;
+        all = {std::accumulate(all.begin(), all.end(), 0.0)};
+        structure.spheres.diameter.resize(1);
+    }
     return structure;
 }
 
 }  // namespace
 
 double percus_yevick(double volume_fraction, double qd) {
-    const double f = volume_fraction, y = qd;
-    const double gap = std::pow(1.0 - f, 4);
-    const double a = (1.0 + 2.0 * f) * (1.0 + 2.0 * f) / gap;
-    const double b = -6.0 * f * (1.0 + 0.5 * f) * (1.0 + 0.5 * f) / gap;
-    const double c = 0.5 * f * a;
-    constexpr double kSmall = 1.5;  // where the closed forms still lose digits
-    if (y < kSmall)
-        return 1.0 / (1.0 + 24.0 * f * (a * series(y, 3) + b * series(y, 4) + c * series(y, 6)));
-    const double sine = std::sin(y), cosine = std::cos(y), y2 = y * y;
-    const double first = (sine - y * cosine) / (y2 * y);
-    const double second = (2.0 * y * sine + (2.0 - y2) * cosine - 2.0) / (y2 * y2);
-    const double third =
-        (-y2 * y2 * cosine + 4.0 * ((3.0 * y2 - 6.0) * cosine + (y2 * y - 6.0 * y) * sine + 6.0)) /
-        (y2 * y2 * y2);
-    return 1.0 / (1.0 + 24.0 * f * (a * first + b * second + c * third));
+    const double f = volume_fraction, gap = (1.0 - f) * (1.0 - f);
+    const double a = (1.0 + 2.0 * f) / gap, b = -1.5 * f / gap;
+    return 1.0 / std::norm(1.0 - 12.0 * f * baxter_integral(a, b, 1.0, 1.0, qd));
+}
+
+Eigen::MatrixXcd baxter_factor(const HardSpheres& spheres, double q) {
+    const std::vector<double>&d = spheres.diameter, &f = spheres.volume_fraction;
+    const std::size_t count = d.size();
+    double by_diameter = 0.0, filled = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+        by_diameter += f[i] / d[i];
+        filled += f[i];
+    }
+    const double gap = (1.0 - filled) * (1.0 - filled);
+    Eigen::MatrixXcd Q(count, count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double a = (1.0 - filled + 3.0 * d[i] * by_diameter) / gap;
+        const double b = -1.5 * d[i] * d[i] * by_diameter / gap;
+        for (std::size_t j = 0; j < count; ++j) {
+            // 2 pi times the roots of the numbers, 6 f / (pi d^3) each.
+            const double roots = 12.0 * std::sqrt(f[i] * f[j] / std::pow(d[i] * d[j], 3));
+            Q(Eigen::Index(i), Eigen::Index(j)) =
+                double(i == j) - roots * baxter_integral(a, b, 0.5 * (d[i] + d[j]), d[j], q);
+        }
+    }
+    return Q;
 }
 
 double Structure::operator()(double cos_theta) const {
     const double sine_of_half = std::sqrt(std::max(0.0, 0.5 * (1.0 - cos_theta)));
-    const double s = percus_yevick(volume_fraction, 2.0 * kd * sine_of_half);
-    if (coherent.empty()) return s;
-    const auto intervals = static_cast<double>(coherent.size() - 1);
-    return 1.0 + (s - 1.0) * cubic_at(coherent, 2.0 * std::asin(sine_of_half) / kPi * intervals);
+    if (at_angles.empty()) {
+        return percus_yevick(spheres.volume_fraction.front(),
+                             2.0 * spheres.diameter.front() * sine_of_half);
+    }
+    const auto intervals = static_cast<double>(at_angles.size() - 1);
+    return cubic_at(at_angles, 2.0 * std::asin(std::min(sine_of_half, 1.0)) / kPi * intervals);
 }
 
 double CrowdedPhase::factor(double cos_theta) const { return structure(cos_theta) / mean; }
@@ -161,8 +216,8 @@ double CrowdedPhase::operator()(double cos_theta) const {
 
 std::string crowd_key(const ResolvedSpecies& species, std::size_t w) {
     JobKey key("crowd");
-    key.add(species.crowd_fraction);
-    for (const CrowdMember& member : species.crowd) key.add(member.share).add(member.key[w]);
+    for (const CrowdMember& member : species.crowd)
+        key.add(member.volume_fraction).add(member.outer_radius_um).add(member.key[w]);
     return key.hash();
 }
 
@@ -178,7 +233,8 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
     }
     CrowdedPhase phase{alone.optics, structure_of(species, w), 1.0};
     const std::size_t count = alone.optics.chi.size();
-    const math::Quadrature angles = angles_for(kd, static_cast<int>(count));
+    const math::Quadrature angles =
+        angles_for(largest_kd(phase.structure), static_cast<int>(count));
     std::vector<double> values;
     for (const double theta : angles.nodes) values.push_back(phase(std::cos(theta)));
     MediumOptics whole = alone;
@@ -204,12 +260,14 @@ std::optional<double> crowding(const ResolvedSpecies& species, std::size_t w) {
     const double kd = kd_of(species, w);
     constexpr double kLargest = 60.0;
     if (0.5 * kd > kLargest) return std::nullopt;
-    const math::Quadrature angles = angles_for(kd, static_cast<int>(4.0 * kd) + 20);
+    const Structure structure = structure_of(species, w);
+    const double largest = largest_kd(structure);
+    if (0.5 * largest > kLargest) return std::nullopt;
+    const math::Quadrature angles = angles_for(largest, static_cast<int>(4.0 * kd) + 20);
     std::vector<double> degrees;
     for (const double theta : angles.nodes) degrees.push_back(theta * 180.0 / kPi);
     const auto amplitudes = mie::scattering_amplitudes(
         layers_of(species.particles[w], species.effective_radius_um), degrees);
-    const Structure structure = structure_of(species, w);
     double alone = 0.0, together = 0.0;  // of the scattering, weighted by 1 - cos
     for (std::size_t i = 0; i < degrees.size(); ++i) {
         const double mu = std::cos(angles.nodes[i]), away = 1.0 - mu;

@@ -1,23 +1,35 @@
 // Crowded particles: what neighbours change of single scattering.
 #pragma once
 
+#include <vector>
+
+#include <Eigen/Core>
+
 #include "pipeline/solve/single_scattering.h"
 
 namespace miebrdf {
 
-/// The structure factor of hard spheres (Percus & Yevick 1958; closed form of Wertheim 1963).
+/// The structure factor of equal hard spheres (Percus & Yevick 1958; closed form of Wertheim 1963).
 /// @param volume_fraction  in [0, 0.74]
 /// @param qd  momentum transfer times diameter, 2 k d sin(Theta / 2), >= 0
 double percus_yevick(double volume_fraction, double qd);
 
-/// The factor by which neighbours of the same size change the intensity that spheres scatter: 1 +
-/// (S - 1) c, with c = |<F>|^2 / <|F|^2> of their amplitudes F, means over their numbers. Only the
-/// mean amplitude interferes, because which sphere has which index is chance; c is 1 where all have
-/// one.
+/// Hard spheres of several sizes.
+struct HardSpheres {
+    std::vector<double> diameter, volume_fraction;
+};
+
+/// Q of Baxter's factors S^-1 = Q^H Q of the partial structure factors S_ij of hard spheres in the
+/// theory of Percus and Yevick (Baxter 1970; Hiroike 1979; Vrij, J. Chem. Phys. 71, 3267, 1979).
+/// @param q  momentum transfer, in the inverse of the unit of the diameters, >= 0
+Eigen::MatrixXcd baxter_factor(const HardSpheres& spheres, double q);
+
+/// The factor by which neighbours change the intensity that spheres scatter: sum_ij f_i f_j* S_ij /
+/// sum_i |f_i|^2, with f_i the amplitude of a sphere of each kind times the root of their number.
 struct Structure {
-    double volume_fraction = 0.0;
-    double kd = 0.0;                    ///< wave number in the host times diameter
-    std::vector<double> coherent = {};  ///< c at angles alike apart from 0 to pi; empty: 1
+    HardSpheres spheres;  ///< diameters times the wave number in the host
+    std::vector<double> at_angles =
+        {};  ///< alike apart from 0 to pi; empty for spheres of one kind
 
     double operator()(double cos_theta) const;
 };
@@ -36,9 +48,9 @@ struct CrowdedPhase {
 /// Names what the structure depends on.
 std::string crowd_key(const ResolvedSpecies& species, std::size_t w);
 
-/// Spheres of one species among others of the same sizes, with the scattering cross-section
-/// integrated again and the absorption as it was. One size, the effective radius, stands for all
-/// (the decoupling approximation); spheres of other sizes do not see each other.
+/// Spheres of one species among all others of their medium, with the scattering cross-section
+/// integrated again and the absorption as it was. One size, the effective radius, stands for all of
+/// a species (the decoupling approximation).
 /// @param alone  with the whole phase function (OpticsDemand::whole_phase_function)
 /// @throws UsageError  for spheres so large that the moments cannot be integrated
 MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,

@@ -30,9 +30,10 @@ inline auto fields(const Particles& value) {
     return std::tie(wavelength_nm, index, host_index, coatings);
 }
 
-/// Spheres of some index among others of the same sizes, which crowd each other.
+/// Spheres that crowd the others of their medium.
 struct CrowdMember {
-    double share = 1.0;  ///< of their number
+    double volume_fraction = 0.0;                             ///< of the layer
+    double effective_radius_um = 0.0, outer_radius_um = 0.0;  ///< as of ResolvedSpecies
     std::vector<Particles> particles = {};
     std::vector<std::string> key = {};  ///< as of ResolvedSpecies
 };
@@ -50,11 +51,8 @@ struct ResolvedSpecies {
     /// species without amount, as of the particles' own.
     double volume_fraction = 1.0;
     std::optional<double> density_g_cm3 = {};
-    bool crowded = false;  ///< Packing::percus_yevick
-    /// The share of the layer's volume that all spheres of these sizes fill, of whatever index:
-    /// they crowd each other.
-    double crowd_fraction = 0.0;
-    std::vector<CrowdMember> crowd = {};  ///< empty where all are of one index
+    bool crowded = false;                 ///< Packing::percus_yevick
+    std::vector<CrowdMember> crowd = {};  ///< all spheres of the medium, these among them
     /// Names what its optics depend on, at every wavelength: species of the same key are the same.
     std::vector<std::string> key = {};
 

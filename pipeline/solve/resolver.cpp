@@ -105,20 +105,14 @@ constexpr double kWeakHost = 0.01, kOpaqueHost = 0.1, kChangePerDamping = 1.6;
 /// Beyond this share of the volume, what neighbours change is said.
 constexpr double kCrowded = 0.05;
 
-std::string key_of(const mie::SizeDistribution& sizes) { return JobKey("sizes").add(sizes).hash(); }
-
-void set_crowd(ResolvedSpecies& species, const ResolvedMedium& medium) {
-    bool differ = false;
-    for (const ResolvedSpecies& other : medium.species) {
-        if (key_of(other.sizes) != key_of(species.sizes) ||
-            other.outer_radius_um != species.outer_radius_um)
-            continue;
-        species.crowd_fraction += other.volume_fraction;
-        species.crowd.push_back({other.volume_fraction, other.particles, other.key});
-        differ = differ || other.key != species.key;
+std::vector<CrowdMember> crowd_of(const ResolvedMedium& medium) {
+    std::vector<CrowdMember> crowd;
+    for (const ResolvedSpecies& species : medium.species) {
+        if (species.volume_fraction == 0.0) continue;
+        crowd.push_back({species.volume_fraction, species.effective_radius_um,
+                         species.outer_radius_um, species.particles, species.key});
     }
-    if (!differ) species.crowd.clear();
-    for (CrowdMember& member : species.crowd) member.share /= species.crowd_fraction;
+    return crowd;
 }
 
 /// Without amounts, a host is left out that takes less than this share of the light when particles
@@ -147,8 +141,8 @@ ResolvedSpecies no_particles(const std::vector<double>& wavelength_nm) {
 std::string species_key(const ResolvedSpecies& resolved, std::size_t w) {
     // Crowding, and how much of it there is, belong to the mixture.
     const auto& [species, particles, wavelength_nm, size_distribution, effective_radius_um,
-                 outer_radius_um, volume_per_core, volume_fraction, of_density, crowded,
-                 crowd_fraction, crowd, known_key] = resolved;
+                 outer_radius_um, volume_per_core, volume_fraction, of_density, crowded, crowd,
+                 known_key] = resolved;
     const auto& [kind, name, parameters, chi, table_nm, matrices, index, scattering, sizes,
                  coatings, shape, phase, density_g_cm3, amount] = species;
     JobKey key("species");
@@ -410,6 +404,10 @@ void Resolver::set_packing(ResolvedMedium& medium) {
             "layer_density_kg_m3) or number=",
             describe(medium.medium)));
     }
+    const ResolvedSpecies& fills_most = *std::max_element(
+        medium.species.begin(), medium.species.end(), [](const auto& one, const auto& other) {
+            return one.volume_fraction < other.volume_fraction;
+        });
     for (ResolvedSpecies& species : medium.species) {
         species.crowded = asked;
         if (asked && species.species.shape.kind != GrainShape::Kind::sphere) {
@@ -417,18 +415,21 @@ void Resolver::set_packing(ResolvedMedium& medium) {
                                          "of their effective radius",
                                          describe(species.species)));
         }
-        set_crowd(species, medium);
-        if (asked || !medium.has_amounts || species.crowd_fraction <= kCrowded) continue;
+        if (!asked && (!medium.has_amounts || filled_volume(medium) <= kCrowded)) continue;
+        species.crowd = crowd_of(medium);
+        if (species.crowd.empty()) species.crowded = false;
+        if (asked || &species != &fills_most) continue;
         if (const auto change = crowding(species, 0)) note_crowding(species, *change);
     }
 }
 
 void Resolver::note_crowding(const ResolvedSpecies& species, double change) {
     add_once(notes_,
-             fmt::format("{} fills {:.3g} % of the volume: independent scattering is assumed; "
+             fmt::format("{} fills {:.3g} % of the volume{}: independent scattering is assumed; "
                          "hard spheres would have {:.3g} times the reduced scattering at {} nm "
                          "(packing percus-yevick)",
-                         describe(species.species), 100.0 * species.crowd_fraction, change,
+                         describe(species.species), 100.0 * species.volume_fraction,
+                         species.crowd.size() > 1 ? " among other spheres" : "", change,
                          species.particles.front().wavelength_nm));
 }
 

@@ -137,7 +137,7 @@ Axis parse_axis(const std::string& name, const std::string& text) {
 }
 
 std::vector<Axis> read_columns(const std::string& file, const std::vector<std::string>& columns) {
-    const std::string text = materials::without_mark(materials::read_bytes(file), file);
+    const std::string text = materials::text_of(materials::read_bytes(file), file);
     materials::TextTable lines(text, file);
     std::vector<std::vector<std::string>> rows;
     std::vector<std::string> names;

@@ -213,6 +213,9 @@ TEST_CASE("IMD and spd: Angstrom and nm, pairs of files", "[materials][import]")
     }
     CHECK_FALSE(read("spd", "400 1.5\n", "x").k.has_value());
     CHECK_FALSE(read("spd", "", "x", "400 1.5\n").n.has_value());
+    // n in nm, k in um.
+    CHECK_THROWS_WITH(read("spd", "400 1.5\n700 1.4\n", "x", "0.4 0.1\n0.7 0.2\n"),
+                      Catch::Contains("no wavelength in common"));
     CHECK_THROWS_WITH(read("spd", "400 1.5\n500 1 2\n", "x"), Catch::Contains("x.eta.spd:2"));
 }
 
@@ -312,6 +315,9 @@ TEST_CASE("SOPRA: decimal commas", "[materials][import][sopra]") {
     CHECK(d.corrections.empty());
     CHECK_THROWS_WITH(read("sopra", "4 400 500 1\n2,95,3,12\n2,85,3,02\n", "x.nk"),
                       Catch::Contains("4 numbers follow the 4"));
+    // Rows are missing: not twice as many numbers.
+    CHECK_THROWS_WITH(read("sopra", "4 400 500 3\n2,95 3,12\n2,85 3,02\n2,8 3,0\n", "x.nk"),
+                      Catch::Contains("ends after 3 of the 4 rows"));
 }
 
 TEST_CASE("refractiveindex.info: formulas with another number of coefficients are refused",

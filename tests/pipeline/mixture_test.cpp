@@ -199,8 +199,9 @@ TEST_CASE("layers of 1 mm and 4 mm are one of 5 mm", "[pipeline][mixture]") {
     smooth_two.layers = {layer("hg:0.99,0.7@4"), layer("hg:0.99,0.7@1")};
     // Equations are solved to a hundredth of the tolerance.
     CHECK(largest_difference(total(smooth_two), total(smooth_one)) <= 1e-5);
-    const auto thick = solve(one, {550}, {.streams = 24}).albedo({0.3, 1.0});
-    const auto thin = solve(two, {550}, {.streams = 24}).albedo({0.3, 1.0});
+    // Averages of light with polarisation are others: which are taken follows what it would change.
+    const auto thick = solve(one, {550}, {.streams = 24, .stokes = 1}).albedo({0.3, 1.0});
+    const auto thin = solve(two, {550}, {.streams = 24, .stokes = 1}).albedo({0.3, 1.0});
     CHECK(relative(thin.at(0, 0), thick.at(0, 0)) <= 1e-12);
     CHECK(relative(thin.plane_transmittance[0][1], thick.plane_transmittance[0][1]) <= 1e-11);
 }

@@ -4,7 +4,10 @@
 #include <miebrdf/brdf.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
+
+#include <Eigen/LU>
 
 #include "pipeline/solve/packing.h"
 #include "tests/support/catch.h"
@@ -17,6 +20,27 @@ namespace {
 
 double relative_error(double value, double truth) { return std::abs(value / truth - 1.0); }
 
+/// Wertheim's closed form; a few of its digits cancel where y is small.
+double wertheim(double f, double y) {
+    const double gap = std::pow(1 - f, 4), y2 = y * y;
+    const double a = std::pow(1 + 2 * f, 2) / gap, b = -6 * f * std::pow(1 + f / 2, 2) / gap;
+    const double sine = std::sin(y), cosine = std::cos(y);
+    const double third =
+        (-y2 * y2 * cosine + 4 * ((3 * y2 - 6) * cosine + (y2 * y - 6 * y) * sine + 6)) /
+        (y2 * y2 * y2);
+    return 1 /
+           (1 + 24 * f *
+                    (a * (sine - y * cosine) / (y2 * y) +
+                     b * (2 * y * sine + (2 - y2) * cosine - 2) / (y2 * y2) + f / 2 * a * third));
+}
+
+Eigen::MatrixXd partial_structure(const HardSpheres& spheres, double q) {
+    const Eigen::MatrixXcd Q = baxter_factor(spheres, q);
+    const Eigen::MatrixXcd S = (Q.adjoint() * Q).inverse();
+    REQUIRE(S.imag().norm() <= 1e-12 * S.norm());
+    return S.real();
+}
+
 }  // namespace
 
 TEST_CASE("the structure factor of hard spheres has its closed forms", "[pipeline][packing]") {
@@ -25,7 +49,9 @@ TEST_CASE("the structure factor of hard spheres has its closed forms", "[pipelin
         const double at_zero = std::pow(1 - f, 4) / ((1 + 2 * f) * (1 + 2 * f));
         CHECK(relative_error(percus_yevick(f, 0.0), at_zero) <= 1e-12);
         // Where the series ends and the closed form begins.
-        CHECK(relative_error(percus_yevick(f, 1.5 - 1e-9), percus_yevick(f, 1.5 + 1e-9)) <= 1e-8);
+        CHECK(relative_error(percus_yevick(f, 1.0 - 1e-9), percus_yevick(f, 1.0 + 1e-9)) <= 1e-8);
+        for (const double y : {2.0, 6.0, 11.0})
+            CHECK(relative_error(percus_yevick(f, y), wertheim(f, y)) <= 1e-10);
         CHECK(std::abs(percus_yevick(f, 200.0) - 1) <= 0.01);
     }
     CHECK(relative_error(percus_yevick(1e-9, 3.0), 1.0) <= 1e-7);
@@ -66,20 +92,55 @@ TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipel
     REQUIRE(said == (c.volume > 0.05 ? 1 : 0));
 }
 
-TEST_CASE("spheres of one kind crowd each other under two names", "[pipeline][packing]") {
+TEST_CASE("partial structure factors of hard spheres have their limits", "[pipeline][packing]") {
+    for (const double q : {0.3, 1.0, 3.0}) {
+        // Thin gases: pairs that do not overlap, S_ij = delta_ij - sqrt(n_i n_j) times the
+        // transform of a sphere of radius R = (d_i + d_j) / 2; three of them change by its square.
+        const HardSpheres thin{{1.0, 1.8}, {1e-6, 2e-6}};
+        const Eigen::MatrixXd S = partial_structure(thin, q);
+        for (int i = 0; i < 2; ++i) {
+            for (int j = 0; j < 2; ++j) {
+                const double pi = std::numbers::pi;
+                const double R = (thin.diameter[i] + thin.diameter[j]) / 2;
+                const double numbers = 6 / pi *
+                                       std::sqrt(thin.volume_fraction[i] * thin.volume_fraction[j] /
+                                                 std::pow(thin.diameter[i] * thin.diameter[j], 3));
+                const double pairs =
+                    -numbers * 4 * pi * (std::sin(q * R) - q * R * std::cos(q * R)) / (q * q * q);
+                CHECK(std::abs(S(i, j) - (i == j) - pairs) <= 1e-9);
+            }
+        }
+        // Equal spheres under two names, three parts in ten: S_01 = sqrt(.3 .7) (S - 1).
+        const Eigen::MatrixXd equal = partial_structure({{2.0, 2.0}, {0.12, 0.28}}, q);
+        const double s = percus_yevick(0.4, 2.0 * q);
+        CHECK(relative_error(equal(0, 1), std::sqrt(0.21) * (s - 1)) <= 1e-10);
+        CHECK(relative_error(equal(0, 0), 1 + 0.3 * (s - 1)) <= 1e-10);
+    }
+}
+
+TEST_CASE("spheres crowd each other whatever their names and sizes", "[pipeline][packing]") {
     const auto extinction = [](const std::string& medium) {
-        Scene scene = scene_of(medium);
+        Scene scene = scene_of(medium + " in index:1.5");
         scene.particles.packing = Packing::percus_yevick;
         const LayerOptics layer = solve(scene, {550}, {.tolerance = 1e-3}).layers().at(0);
         return *layer.scattering_per_um + *layer.absorption_per_um;
     };
-    const std::string half = "index:2.7,0,radius=0.13,variance=0.01,volume=10%";
-    const double whole =
-        extinction("index:2.7,0,radius=0.13,variance=0.01,volume=20% in index:1.5");
-    CHECK(relative_error(extinction(half + " + " + half + " in index:1.5"), whole) <= 1e-12);
-    // Strangers to each other scatter more.
-    CHECK(extinction(half + " + index:2.7,0,radius=0.2,variance=0.01,volume=10% in index:1.5") >
-          whole);
+    const auto spheres = [](const std::string& radius, const std::string& volume) {
+        return "index:2.7,0,radius=" + radius + ",variance=0.01,volume=" + volume;
+    };
+    const double whole = extinction(spheres("0.13", "20%"));
+    const std::string half = spheres("0.13", "10%");
+    CHECK(relative_error(extinction(half + " + " + half), whole) <= 1e-12);
+    // Radii that differ by 1e-6 are the same spheres but for as much; cubics between angles.
+    CHECK(relative_error(extinction(half + " + " + spheres("0.13000013", "10%")), whole) <= 1e-5);
+    CHECK(relative_error(extinction(half + " + " + spheres("0.1313", "10%")), whole) <= 0.03);
+    // Few spheres of another size change little.
+    CHECK(relative_error(extinction(spheres("0.13", "20%") + " + " + spheres("0.05", "1e-6")),
+                         whole) <= 1e-4);
+    // Small spheres between large ones: crowded by what these fill.
+    const std::string large = "index:1.500001,0,radius=0.3,variance=0.01,volume=30%";
+    const double alone = extinction(spheres("0.02", "1%"));
+    CHECK(extinction(spheres("0.02", "1%") + " + " + large) > 1.02 * alone);
 }
 
 TEST_CASE("equal spheres of two indices crowd each other by their mean amplitude",
