@@ -85,8 +85,8 @@ struct JudgedValues {
     std::vector<bool> near_backwards = {};  ///< of each value; empty: none is
 };
 
-/// A solution with so many nodes, and fewer moments than they can keep where it is not physical with
-/// these; then still not: `count` times NaN. Its error is not estimated.
+/// A solution with so many nodes, and fewer moments than they can keep where it is not physical
+/// with these; then still not: `count` times NaN. Its error is not estimated.
 void solve_with_nodes(const Stack& stack, const SolverOptions& options, int streams,
                       std::size_t count, const Solve& solve, Solution& solution);
 
