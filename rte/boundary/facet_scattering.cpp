@@ -218,7 +218,10 @@ class FacetIntegral {
 /// log of the gamma function for x >= 1, to 1e-13: Stirling's series beyond 8.
 double log_gamma_above_1(double x) {
     double product = 1.0;
-    for (; x < 8.0; x += 1.0) product *= x;
+    while (x < 8.0) {
+        product *= x;
+        x += 1.0;
+    }
     const double y = 1.0 / (x * x);
     const double series = (1.0 / 12 - y * (1.0 / 360 - y * (1.0 / 1260 - y / 1680))) / x;
     return (x - 0.5) * std::log(x) - x + 0.5 * std::log(2.0 * std::numbers::pi) + series -
