@@ -61,7 +61,7 @@ void settle_material(Dataset& dataset, const Database& embedded, const Database&
 // A printable form of a file name that is not UTF-8, which can be neither stored nor shown as it
 // is.
 std::string readable(const fs::path& path) {
-    const std::string name = path.string();
+    std::string name = path.string();
     if (is_utf8(name)) return name;
     std::string shown;
     for (const char c : name) {
@@ -119,7 +119,7 @@ class Importer {
                 files.push_back(entry->path());
             } else {
                 const std::string name = readable(entry->path());
-                candidates.push_back({name, false, {}, name + ": " + reason});
+                candidates.push_back({name, false, {}, fmt::format("{}: {}", name, reason)});
             }
         }
         if (error) throw ImportError(readable(folder), 0, error.message());
@@ -250,6 +250,7 @@ std::vector<ImportItem> import_files(const fs::path& database, std::span<const f
     std::stable_partition(order.begin(), order.end(),
                           [](const Candidate* c) { return covers_550_nm(c->dataset); });
     std::vector<Dataset> datasets;
+    datasets.reserve(order.size());
     for (const Candidate* c : order) datasets.push_back(c->dataset);
     std::vector<AddOutcome> outcomes;
     if (!datasets.empty() || fs::exists(database)) {

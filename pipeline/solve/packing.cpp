@@ -121,14 +121,17 @@ std::vector<double> structure_at_angles(const std::vector<CrowdMember>& crowd, s
     const int intervals =
         static_cast<int>(std::ceil(kPi * std::max(largest_kd(structure), 20.0) / kStep));
     std::vector<double> degrees;
+    degrees.reserve(std::size_t(intervals) + 1);
     for (int i = 0; i <= intervals; ++i) degrees.push_back(180.0 * i / intervals);
     const auto kinds = static_cast<Eigen::Index>(crowd.size());
     std::vector<mie::Amplitudes> amplitudes;
+    amplitudes.reserve(crowd.size());
     for (const CrowdMember& member : crowd) {
         amplitudes.push_back(mie::scattering_amplitudes(
             layers_of(member.particles[w], member.effective_radius_um), degrees));
     }
     std::vector<double> factors;
+    factors.reserve(degrees.size());
     for (std::size_t a = 0; a < degrees.size(); ++a) {
         Eigen::MatrixX2cd f(kinds, 2);
         for (Eigen::Index i = 0; i < kinds; ++i) {
