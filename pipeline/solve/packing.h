@@ -9,7 +9,7 @@
 
 namespace miebrdf {
 
-/// The structure factor of equal hard spheres (Percus & Yevick 1958; closed form of Wertheim 1963).
+/// The structure factor of equal hard spheres (Percus & Yevick 1958), by the factor below.
 /// @param volume_fraction  in [0, 0.74]
 /// @param qd  momentum transfer times diameter, 2 k d sin(Theta / 2), >= 0
 double percus_yevick(double volume_fraction, double qd);
