@@ -9,11 +9,11 @@ using Target = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 template <typename Compute>
 void for_storage(const Factor& A, const Factor& B, const Compute& compute) {
     const auto with_left = [&](const auto& left) {
-        const Eigen::OuterStride<> stride(B.stride);
+        const FactorStride stride(B.stride, 1);
         if (B.by_rows) return compute(left, FactorByRows(B.data, B.rows, B.cols, stride));
         return compute(left, FactorByColumns(B.data, B.rows, B.cols, stride));
     };
-    const Eigen::OuterStride<> stride(A.stride);
+    const FactorStride stride(A.stride, 1);
     if (A.by_rows) return with_left(FactorByRows(A.data, A.rows, A.cols, stride));
     return with_left(FactorByColumns(A.data, A.rows, A.cols, stride));
 }
@@ -28,7 +28,7 @@ template <typename Compute>
 void for_one_row(const Factor& A, const Factor& B, ProductTarget target, const Compute& compute) {
     const Eigen::Map<const Eigen::VectorXd> row(A.data, A.cols);
     Eigen::Map<Eigen::VectorXd> result(target.data, B.cols);
-    const Eigen::OuterStride<> stride(B.stride);
+    const FactorStride stride(B.stride, 1);
     if (B.by_rows) {
         compute(result, FactorByRows(B.data, B.rows, B.cols, stride).transpose(), row);
     } else {
