@@ -12,7 +12,6 @@
 
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/number_list.h"
-#include "pipeline/scene/scattering_file.h"
 #include "pipeline/scene/scene_parts.h"
 #include "pipeline/scene/species_keys.h"
 
@@ -44,23 +43,11 @@ void require_ranges(const std::string& text, const MediumKind& kind,
 
 /// Sizes and amounts belong to spheres.
 void require_particles(const std::string& text, const MediumKind& kind, const Species& species) {
-    if (!kind.optics) return;
-    Species other = species;
-    if (kind.has_extinction) {
-        other.sizes = {};
-        const bool sized = has_sizes(species.scattering);
-        if (sized) other.density_g_cm3.reset();
-        if (sized || (species.amount && species.amount->kind == Amount::Kind::number_per_cm3))
-            other.amount.reset();
-    }
-    const std::string keys = describe_keys(other);
+    if (!kind.given) return;
+    const std::string keys = describe_keys(kind.without_own_keys(species));
     if (keys.empty()) return;
-    if (kind.has_extinction) {
-        throw UsageError(fmt::format(
-            "medium '{}': leave '{}' out; files of scattering take number=, those of single sizes "
-            "radius=, variance=, distribution=, volume=, mass= and density=, too",
-            text, keys));
-    }
+    if (!kind.own_keys.empty())
+        throw UsageError(fmt::format("medium '{}': leave '{}' out; {}", text, keys, kind.own_keys));
     throw UsageError(
         fmt::format("medium '{}': {}: media have no particles, leave '{}' out; sizes and amounts "
                     "belong to media that go through Mie theory: materials, source:KEY, index:N,K",
@@ -187,6 +174,16 @@ void require_sum(const std::string& text, const Medium& medium, Amount::Kind kin
                                  text, name, sum));
 }
 
+/// How kinds with an extinction are written.
+std::vector<std::string> mixable_forms() {
+    std::vector<std::string> forms;
+    for (const MediumKind& kind : medium_kinds()) {
+        const bool is_listed = !kind.form.empty() && kind.kind != Species::Kind::material;
+        if (is_listed && (!kind.given || kind.has_extinction)) forms.push_back(kind.form);
+    }
+    return forms;
+}
+
 void require_amounts(const Medium& medium) {
     const std::string text = describe(medium);
     for (const Species& species : medium.species) {
@@ -206,9 +203,8 @@ void require_amounts(const Medium& medium) {
         if (!has_extinction(species)) {
             throw UsageError(fmt::format(
                 "medium '{}': {} brings its optics and no extinction, so nobody knows how much of "
-                "it to mix; allowed in a mixture: materials, source:KEY, index:N,K, "
-                "scattering:FILE",
-                text, describe(species)));
+                "it to mix; allowed in a mixture: materials, source:KEY, {}",
+                text, describe(species), fmt::join(mixable_forms(), ", ")));
         }
         without += species.amount ? 0 : 1;
         by_mass += is_mass(species) ? 1 : 0;
@@ -227,7 +223,7 @@ void require_amounts(const Medium& medium) {
 Species species(const std::string& text) {
     Species species;
     const MediumKind& kind = kind_of_text(text);
-    const std::string before_keys = take_keys(text, !kind.optics, species);
+    const std::string before_keys = take_keys(text, !kind.given, species);
     if (!kind.has_extinction) require_particles(text, kind, species);
     read_species(before_keys, kind, species);
     require_particles(text, kind, species);  // what a file takes depends on what it has
@@ -333,7 +329,7 @@ std::string describe(const Medium& medium) {
     return text;
 }
 
-bool needs_mie(const Species& species) { return !kind_of(species).optics; }
+bool needs_mie(const Species& species) { return !kind_of(species).given; }
 
 bool has_extinction(const Species& species) {
     return needs_mie(species) || kind_of(species).has_extinction;

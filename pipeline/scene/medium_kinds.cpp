@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 #include <miebrdf/error.h>
 
-#include <algorithm>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "pipeline/scene/moments_file.h"
 #include "pipeline/scene/scattering_file.h"
@@ -12,6 +13,11 @@
 
 namespace miebrdf {
 namespace {
+
+std::shared_ptr<const GivenMedium> by_formula(std::function<rte::Optics(double)> optics,
+                                              int orders = 0) {
+    return std::make_shared<FormulaMedium>(std::move(optics), orders);
+}
 
 const MediumParameter kAlbedo = {"single-scattering albedo", "[0, 1]",
                                  [](double a) { return a >= 0.0 && a <= 1.0; }};
@@ -51,15 +57,17 @@ MediumKind table() {
 }
 
 MediumKind isotropic() {
-    return {
-        .kind = Species::Kind::isotropic,
-        .name = "isotropic",
-        .form = "isotropic:ALBEDO",
-        .example = "isotropic:0.9",
-        .help = "a medium that scatters alike in all directions",
-        .parameters = {kAlbedo},
-        .optics = [](const Species& m, double) { return rte::isotropic_optics(m.parameters[0]); },
-        .most_fourier_orders = [](const Species&) { return 1; }};
+    return {.kind = Species::Kind::isotropic,
+            .name = "isotropic",
+            .form = "isotropic:ALBEDO",
+            .example = "isotropic:0.9",
+            .help = "a medium that scatters alike in all directions",
+            .parameters = {kAlbedo},
+            .given = [](const Species& m) {
+                return by_formula(
+                    [albedo = m.parameters[0]](double) { return rte::isotropic_optics(albedo); },
+                    1);
+            }};
 }
 
 MediumKind rayleigh() {
@@ -75,12 +83,14 @@ MediumKind rayleigh() {
                             .allowed = "[0, 6/7]",
                             .is_allowed = [](double d) { return d >= 0.0 && d <= 6.0 / 7.0; },
                             .key = "depolarisation"}},
-            .optics =
-                [](const Species& m, double) {
-                    return rte::rayleigh_optics(m.parameters[0],
-                                                m.parameters.size() > 1 ? m.parameters[1] : 0.0);
-                },
-            .most_fourier_orders = [](const Species&) { return 3; }};
+            .given = [](const Species& m) {
+                return by_formula(
+                    [albedo = m.parameters[0],
+                     depolarisation = m.parameters.size() > 1 ? m.parameters[1] : 0.0](double) {
+                        return rte::rayleigh_optics(albedo, depolarisation);
+                    },
+                    3);
+            }};
 }
 
 const MediumParameter kAsymmetry = {"asymmetry", "(-1, 1)",
@@ -97,12 +107,17 @@ MediumKind henyey_greenstein() {
             "a CSV file with the columns wavelength_nm, single_scattering_albedo, g",
         .parameters = {kAlbedo, kAsymmetry},
         .read_file = read_asymmetry_file,
-        .optics =
-            [](const Species& m, double nm) {
+        .given =
+            [](const Species& m) {
                 if (m.matrices.empty())
-                    return rte::henyey_greenstein_optics(m.parameters[0], m.parameters[1]);
-                const MatrixCoefficients at = coefficients_at(m, nm);
-                return rte::henyey_greenstein_optics(at.single_scattering_albedo, at.a1[1] / 3.0);
+                    return by_formula([albedo = m.parameters[0], g = m.parameters[1]](double) {
+                        return rte::henyey_greenstein_optics(albedo, g);
+                    });
+                return by_formula([table = CoefficientTable(m)](double nm) {
+                    const MatrixCoefficients at = table.at(nm);
+                    return rte::henyey_greenstein_optics(at.single_scattering_albedo,
+                                                         at.a1[1] / 3.0);
+                });
             },
         .check =
             [](const Species& m) {
@@ -123,19 +138,19 @@ MediumKind double_henyey_greenstein() {
                            kAsymmetry,
                            {"share of the first lobe", "[0, 1]",
                             [](double share) { return share >= 0.0 && share <= 1.0; }}},
-            .optics = [](const Species& m, double) {
-                const double albedo = m.parameters[0], share = m.parameters[3];
-                return rte::mix(
-                    {{rte::henyey_greenstein_optics(albedo, m.parameters[1]), share},
-                     {rte::henyey_greenstein_optics(albedo, m.parameters[2]), 1.0 - share}});
+            .given = [](const Species& m) {
+                return by_formula([p = m.parameters](double) {
+                    return rte::mix({{rte::henyey_greenstein_optics(p[0], p[1]), p[3]},
+                                     {rte::henyey_greenstein_optics(p[0], p[2]), 1.0 - p[3]}});
+                });
             }};
 }
 
-/// Of coefficients at all wavelengths, at least `least`.
-int most_orders(const Species& species, std::size_t least) {
-    std::size_t most = least;
-    for (const MatrixCoefficients& at : species.matrices) most = std::max(most, at.a1.size());
-    return static_cast<int>(most);
+std::shared_ptr<const GivenMedium> by_coefficients(const Species& species) {
+    CoefficientTable table(species);
+    const int orders = table.most_degrees();
+    return by_formula([table = std::move(table)](double nm) { return optics_of(table.at(nm)); },
+                      orders);
 }
 
 MediumKind moments() {
@@ -154,14 +169,14 @@ MediumKind moments() {
                     species.wavelength_nm = std::move(file.by_wavelength.wavelength_nm);
                     species.matrices = std::move(file.by_wavelength.matrices);
                 },
-            .optics =
-                [](const Species& m, double nm) {
-                    if (!m.matrices.empty()) return optics_of_matrices(m, nm);
+            .given =
+                [](const Species& m) {
+                    if (!m.matrices.empty()) return by_coefficients(m);
                     rte::Optics optics;
                     optics.single_scattering_albedo = m.parameters[0];
                     optics.one_minus_albedo = 1.0 - m.parameters[0];
                     optics.chi = m.chi;
-                    return optics;
+                    return by_formula([optics](double) { return optics; }, int(m.chi.size()));
                 },
             .check =
                 [](const Species& m) {
@@ -169,8 +184,7 @@ MediumKind moments() {
                     if (!m.chi.empty())
                         throw std::invalid_argument("chi beside matrices; allowed: one of them");
                     check_matrices(m);
-                },
-            .most_fourier_orders = [](const Species& m) { return most_orders(m, m.chi.size()); }};
+                }};
 }
 
 MediumKind matrix() {
@@ -188,9 +202,8 @@ MediumKind matrix() {
                     species.matrices = std::move(file.matrices);
                     species.parameters = {mean_albedo(species.matrices)};
                 },
-            .optics = optics_of_matrices,
-            .check = check_matrices,
-            .most_fourier_orders = [](const Species& m) { return most_orders(m, 1); }};
+            .given = by_coefficients,
+            .check = check_matrices};
 }
 
 MediumKind scattering() {
@@ -205,8 +218,20 @@ MediumKind scattering() {
         .parameters = {kAlbedo},
         .read = [](const std::string& values,
                    Species& species) { read_scattering_file(values, species); },
-        .optics = optics_of_file,
+        .given = medium_of_file,
         .has_extinction = true,
+        .without_own_keys =
+            [](Species rest) {
+                const bool sized = has_sizes(rest.scattering);
+                rest.sizes = {};
+                if (sized) rest.density_g_cm3.reset();
+                if (sized || (rest.amount && rest.amount->kind == Amount::Kind::number_per_cm3))
+                    rest.amount.reset();
+                return rest;
+            },
+        .own_keys =
+            "files of scattering take number=, those of single sizes radius=, variance=, "
+            "distribution=, volume=, mass= and density=, too",
         .check = check_scattering};
 }
 

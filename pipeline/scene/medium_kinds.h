@@ -5,11 +5,13 @@
 #include <miebrdf/scene.h>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <miebrdf/index.h>
+#include "pipeline/scene/given_medium.h"
 
 namespace miebrdf {
 
@@ -35,17 +37,17 @@ struct MediumKind {
     std::function<void(const std::string& values, Species& species)> read = {};
     /// Where `parameters` may come from a file in place of numbers: reads it.
     std::function<void(const std::string& path, Species& species)> read_file = {};
-    /// Its optics, where the medium brings them; empty: spheres of a refractive index, through Mie
-    /// theory. The first parameter is then the single-scattering albedo.
-    std::function<rte::Optics(const Species& species, double wavelength_nm)> optics = {};
+    /// Makes its data, where the medium brings its optics; empty: spheres of a refractive index,
+    /// through Mie theory. The first parameter is then the single-scattering albedo, 0 or 1 only
+    /// where it is that at every wavelength.
+    std::function<std::shared_ptr<const GivenMedium>(const Species& species)> given = {};
     /// Whether its extinction is known beside its optics.
     bool has_extinction = false;
+    /// The species without the keys that it takes (sizes, amounts), which describe_keys() writes.
+    std::function<Species(Species species)> without_own_keys = [](Species all) { return all; };
+    std::string own_keys = {};  ///< these, in words for a message
     /// Refuses what no such medium can be, beyond ranges of parameters.
     std::function<void(const Species& species)> check = [](const Species&) {};
-    /// Fourier orders of radiative transfer that such a medium has at most; 0: not known.
-    std::function<int(const Species& species)> most_fourier_orders = [](const Species&) {
-        return 0;
-    };
 };
 
 /// In the order of Species::Kind.

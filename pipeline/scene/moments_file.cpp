@@ -275,26 +275,31 @@ double mean_albedo(const std::vector<MatrixCoefficients>& matrices) {
     return sum / double(matrices.size());
 }
 
-MatrixCoefficients coefficients_at(const Species& species, double wavelength_nm) {
-    const std::vector<double>& at = species.wavelength_nm;
-    if (at.size() < 2) return species.matrices.front();
+CoefficientTable::CoefficientTable(const Species& species)
+    : name_(fmt::format("{} file '{}'", kind_of(species).name, species.name)),
+      file_{species.wavelength_nm, species.matrices} {}
+
+int CoefficientTable::most_degrees() const {
+    std::size_t most = 1;
+    for (const MatrixCoefficients& at : file_.matrices) most = std::max(most, at.a1.size());
+    return static_cast<int>(most);
+}
+
+MatrixCoefficients CoefficientTable::at(double wavelength_nm) const {
+    const std::vector<double>& at = file_.wavelength_nm;
+    if (at.size() < 2) return file_.matrices.front();
     if (!(wavelength_nm >= at.front() && wavelength_nm <= at.back())) {
-        throw InputError(fmt::format("{} file '{}' has nothing at {} nm; it covers {} to {} nm",
-                                     kind_of(species).name, species.name, wavelength_nm, at.front(),
-                                     at.back()));
+        throw InputError(fmt::format("{} has nothing at {} nm; it covers {} to {} nm", name_,
+                                     wavelength_nm, at.front(), at.back()));
     }
     const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, wavelength_nm);
     const auto i = static_cast<std::size_t>(above - at.begin());
     const double t = (wavelength_nm - at[i - 1]) / (at[i] - at[i - 1]);
     MatrixCoefficients between;
-    add(between, species.matrices[i - 1], 1.0 - t);
-    add(between, species.matrices[i], t);
+    add(between, file_.matrices[i - 1], 1.0 - t);
+    add(between, file_.matrices[i], t);
     between.single_scattering_albedo = std::min(1.0, between.single_scattering_albedo);  // rounding
     return between;
-}
-
-rte::Optics optics_of_matrices(const Species& species, double wavelength_nm) {
-    return optics_of(coefficients_at(species, wavelength_nm));
 }
 
 void check_matrix(const MatrixCoefficients& matrix) {

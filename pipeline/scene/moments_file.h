@@ -47,10 +47,20 @@ void read_asymmetry_file(const std::string& path, Species& species);
 /// 0 or 1 only if all are.
 double mean_albedo(const std::vector<MatrixCoefficients>& matrices);
 
-/// At a wavelength: linear between those of the table.
-/// @throws InputError  for a wavelength that it does not cover
-MatrixCoefficients coefficients_at(const Species& species, double wavelength_nm);
-rte::Optics optics_of_matrices(const Species& species, double wavelength_nm);
+/// Coefficients over wavelengths.
+class CoefficientTable {
+  public:
+    explicit CoefficientTable(const Species& species);
+
+    /// Linear between the wavelengths of the table.
+    /// @throws InputError  for a wavelength that it does not cover
+    MatrixCoefficients at(double wavelength_nm) const;
+    int most_degrees() const;
+
+  private:
+    std::string name_;  ///< for messages
+    MatrixFile file_;
+};
 
 /// Without polarisation where there is a1 alone.
 rte::Optics optics_of(const MatrixCoefficients& matrix);

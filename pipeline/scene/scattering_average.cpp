@@ -30,6 +30,36 @@ std::vector<double> radii_at(const FileScattering& table, double nm) {
     return radii;
 }
 
+/// The sizes that words say: of files that have averages, one radius.
+/// @throws InputError  where words say none, or what the file cannot give
+mie::SizeDistribution sizes_of_file(const Species& species) {
+    const FileScattering& table = species.scattering;
+    mie::SizeDistribution one{mie::SizeDistributionKind::mono, table.radius_um.front()};
+    const bool is_alone = table.radius_um.size() == 1 && !table.radius_is_parameter;
+    const bool has_law = species.sizes.effective_variance || species.sizes.distribution;
+    if (has_law && (is_alone || table.has_averages)) {
+        throw InputError(fmt::format(
+            "scattering file '{}' has averages over sizes: leave variance, distribution and the "
+            "like out; radius= picks an effective radius from {:.4g} to {:.4g} um",
+            species.name, table.radius_um.front(), table.radius_um.back()));
+    }
+    if (is_alone && !states_radius(species)) return one;
+    if (!states_radius(species)) {
+        throw InputError(fmt::format(
+            "scattering file '{}' has {} {} from {:.4g} to {:.4g}; say {}, e.g. scattering:{},{}",
+            species.name, table.radius_um.size(),
+            table.has_averages          ? "effective radii"
+            : table.radius_is_parameter ? "size parameters"
+                                        : "sizes",
+            table.radius_um.front(), table.radius_um.back(),
+            table.has_averages ? "which" : "over which sizes the average is taken", species.name,
+            table.has_averages ? "radius=10" : "radius=1,variance=0.2"));
+    }
+    if (!is_alone && !table.has_averages) return sizes_of(species, {});
+    one.effective_radius_um = sizes_of(species, {}).effective_radius_um;
+    return one;
+}
+
 struct Share {
     std::size_t size = 0;
     double weight = 0.0;
@@ -130,49 +160,32 @@ void add_to(std::vector<double>& sum, const std::vector<double>& list, double we
     for (std::size_t i = 0; i < list.size(); ++i) sum[i] += weight * list[i];
 }
 
-}  // namespace
+/// A file with the words that say which of its sizes count.
+class FileMedium : public GivenMedium {
+  public:
+    explicit FileMedium(const Species& species) : species_(species) {}
 
-bool has_sizes(const FileScattering& table) { return !table.radius_um.empty(); }
+    rte::Optics optics(double wavelength_nm) const override;
+    double extinction(double wavelength_nm) const override;
+    double radius_um(double wavelength_nm) const override;
+    std::optional<mie::SizeDistribution> sizes() const override;
+    double share_of_number(double per_um3, double wavelength_nm) const override;
 
-mie::SizeDistribution sizes_of_file(const Species& species) {
-    const FileScattering& table = species.scattering;
-    mie::SizeDistribution one{mie::SizeDistributionKind::mono, table.radius_um.front()};
-    const bool is_alone = table.radius_um.size() == 1 && !table.radius_is_parameter;
-    const bool has_law = species.sizes.effective_variance || species.sizes.distribution;
-    if (has_law && (is_alone || table.has_averages)) {
-        throw InputError(fmt::format(
-            "scattering file '{}' has averages over sizes: leave variance, distribution and the "
-            "like out; radius= picks an effective radius from {:.4g} to {:.4g} um",
-            species.name, table.radius_um.front(), table.radius_um.back()));
-    }
-    if (is_alone && !states_radius(species)) return one;
-    if (!states_radius(species)) {
-        throw InputError(fmt::format(
-            "scattering file '{}' has {} {} from {:.4g} to {:.4g}; say {}, e.g. scattering:{},{}",
-            species.name, table.radius_um.size(),
-            table.has_averages          ? "effective radii"
-            : table.radius_is_parameter ? "size parameters"
-                                        : "sizes",
-            table.radius_um.front(), table.radius_um.back(),
-            table.has_averages ? "which" : "over which sizes the average is taken", species.name,
-            table.has_averages ? "radius=10" : "radius=1,variance=0.2"));
-    }
-    if (!is_alone && !table.has_averages) return sizes_of(species, {});
-    one.effective_radius_um = sizes_of(species, {}).effective_radius_um;
-    return one;
-}
+  private:
+    Species species_;
+};
 
-rte::Optics optics_of_file(const Species& species, double wavelength_nm) {
-    const FileScattering& table = species.scattering;
+rte::Optics FileMedium::optics(double wavelength_nm) const {
+    const FileScattering& table = species_.scattering;
     MatrixOnAngles mean{table.angles_deg, {}, {}};
     MatrixCoefficients coefficients;
     double extinction = 0.0, scattering = 0.0;
-    for (const auto& [entry, weight] : entries_at(species, wavelength_nm)) {
+    for (const auto& [entry, weight] : entries_at(species_, wavelength_nm)) {
         const double part = weight * table.extinction[entry] * table.albedo[entry];
         extinction += weight * table.extinction[entry];
         scattering += part;
-        if (!species.matrices.empty()) {
-            add(coefficients, species.matrices[entry], part);
+        if (!species_.matrices.empty()) {
+            add(coefficients, species_.matrices[entry], part);
             continue;
         }
         const std::vector<double>& phase = table.phase[entry];
@@ -183,7 +196,7 @@ rte::Optics optics_of_file(const Species& species, double wavelength_nm) {
             mean.ratios[i] += part * phase[i % phase.size()] * table.ratios[entry][i];
     }
     const double albedo = std::min(1.0, scattering / extinction);
-    if (!species.matrices.empty()) {
+    if (!species_.matrices.empty()) {
         MatrixCoefficients normalised;
         add(normalised, coefficients, 1.0 / coefficients.a1.front());
         normalised.single_scattering_albedo = albedo;
@@ -197,21 +210,22 @@ rte::Optics optics_of_file(const Species& species, double wavelength_nm) {
     return optics_of_table(std::move(mean), albedo);
 }
 
-double extinction_of_file(const Species& species, double wavelength_nm) {
+double FileMedium::extinction(double wavelength_nm) const {
     double sum = 0.0;
-    for (const auto& [entry, weight] : entries_at(species, wavelength_nm))
-        sum += weight * species.scattering.extinction[entry];
+    for (const auto& [entry, weight] : entries_at(species_, wavelength_nm))
+        sum += weight * species_.scattering.extinction[entry];
     return sum;
 }
 
-double effective_radius_of_file(const Species& species, double wavelength_nm) {
-    const std::vector<double> radii = radii_at(species.scattering, wavelength_nm);
-    const double of_law = mie::effective_radius_of(sizes_of_file(species));
+double FileMedium::radius_um(double wavelength_nm) const {
+    if (!has_sizes(species_.scattering)) return kNoRadiusUm;
+    const std::vector<double> radii = radii_at(species_.scattering, wavelength_nm);
+    const double of_law = mie::effective_radius_of(sizes_of_file(species_));
     // Of one shape it is that of the distribution.
-    const std::vector<double>& ratio = species.scattering.area_ratio;
+    const std::vector<double>& ratio = species_.scattering.area_ratio;
     if (ratio.empty()) return of_law;
     double sum = 0.0, area = 0.0, of_spheres = 0.0;
-    for (const auto& [size, weight] : shares_at(species, wavelength_nm).list) {
+    for (const auto& [size, weight] : shares_at(species_, wavelength_nm).list) {
         sum += weight * radii[size];
         area += weight / ratio[size];
         of_spheres += weight / ratio[size] * radii[size];
@@ -219,15 +233,30 @@ double effective_radius_of_file(const Species& species, double wavelength_nm) {
     return of_law * sum * area / of_spheres;
 }
 
-double mean_area_of_file_um2(const Species& species, double wavelength_nm) {
-    if (species.scattering.has_averages) {
+std::optional<mie::SizeDistribution> FileMedium::sizes() const {
+    if (!has_sizes(species_.scattering)) return std::nullopt;
+    return sizes_of_file(species_);
+}
+
+double FileMedium::share_of_number(double per_um3, double wavelength_nm) const {
+    if (!has_sizes(species_.scattering)) return per_um3;
+    if (species_.scattering.has_averages) {
         throw UsageError(fmt::format(
             "scattering file '{}' has averages over sizes that it does not tell: numbers say "
             "nothing of them; give volume= or mass=",
-            species.name));
+            species_.name));
     }
-    return shares_at(species, wavelength_nm).area_ratio *
-           mie::mean_cross_section_um2(sizes_of_file(species));
+    const double area_um2 = shares_at(species_, wavelength_nm).area_ratio *
+                            mie::mean_cross_section_um2(sizes_of_file(species_));
+    return per_um3 * 4.0 / 3.0 * radius_um(wavelength_nm) * area_um2;
+}
+
+}  // namespace
+
+bool has_sizes(const FileScattering& table) { return !table.radius_um.empty(); }
+
+std::shared_ptr<const GivenMedium> medium_of_file(const Species& species) {
+    return std::make_shared<FileMedium>(species);
 }
 
 }  // namespace miebrdf

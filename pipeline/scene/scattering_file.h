@@ -4,7 +4,10 @@
 #include <miebrdf/optics.h>
 #include <miebrdf/scene.h>
 
+#include <memory>
 #include <string>
+
+#include "pipeline/scene/given_medium.h"
 
 namespace miebrdf {
 
@@ -26,23 +29,11 @@ void read_scattering_file(const std::string& path, Species& species);
 /// Whether the file says how large its particles are.
 bool has_sizes(const FileScattering& table);
 
-/// The sizes that words say, of files that have sizes: of those that have averages, one radius.
-/// @throws InputError  where words say none, or what the file cannot give
-mie::SizeDistribution sizes_of_file(const Species& species);
-
-/// At a wavelength: between those of the file linear in scattering and extinction.
-/// @throws InputError  for a wavelength or sizes that the file does not cover
-rte::Optics optics_of_file(const Species& species, double wavelength_nm);
-
-/// Mean extinction cross-section in um2 of a particle; of files without cross-sections in a unit of
-/// their own. Of sizes: Q_ext.
-double extinction_of_file(const Species& species, double wavelength_nm);
-
-/// The effective radius of sizes, 3 <V> / (4 <A>).
-double effective_radius_of_file(const Species& species, double wavelength_nm);
-
-/// The mean projected area of a particle of sizes. @throws UsageError  of averages
-double mean_area_of_file_um2(const Species& species, double wavelength_nm);
+/// What a layer has of the file: averages over sizes; between wavelengths linear in scattering and
+/// extinction. Its extinction is the mean cross-section of a particle in um2 (of files without
+/// cross-sections in a unit of their own), of sizes Q_ext; its radius that of sizes,
+/// 3 <V> / (4 <A>).
+std::shared_ptr<const GivenMedium> medium_of_file(const Species& species);
 
 /// Refuses lists that do not fit and phase functions that are negative. @throws UsageError
 void check_scattering(const Species& species);

@@ -6,7 +6,6 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/sizes.h>
-#include "pipeline/scene/scattering_file.h"
 #include "pipeline/scene/scene_parts.h"
 
 namespace miebrdf {
@@ -69,12 +68,8 @@ void set_by_mass(ResolvedMedium& medium, std::optional<double> layer_density_kg_
 
 double by_number(const ResolvedSpecies& species) {
     const double per_um3 = species.species.amount->value / kUm3PerCm3;
-    const bool is_file = species.species.kind == Species::Kind::scattering;
-    if (is_file && !has_sizes(species.species.scattering)) return per_um3;
-    if (is_file) {
-        return per_um3 * 4.0 / 3.0 * species.effective_radius_um *
-               mean_area_of_file_um2(species.species, species.wavelength_nm.front());
-    }
+    if (species.given)
+        return species.given->share_of_number(per_um3, species.wavelength_nm.front());
     try {
         const double volume_um3 = 4.0 / 3.0 * species.effective_radius_um *
                                   mie::mean_cross_section_um2(species.sizes) *

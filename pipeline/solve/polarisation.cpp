@@ -66,8 +66,7 @@ constexpr double kBearableSeconds = 0.5;
 
 bool polarises(const ResolvedSpecies& species, std::size_t w) {
     if (species.needs_mie()) return !has_smooth_phase(species.species);
-    const rte::Optics optics =
-        kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
+    const rte::Optics optics = species.given->optics(species.wavelength_nm[w]);
     return optics.polarisation && optics.single_scattering_albedo > 0.0;
 }
 

@@ -6,10 +6,13 @@
 #include <miebrdf/scene.h>
 
 #include <complex>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
+
+#include "pipeline/scene/given_medium.h"
 
 namespace miebrdf {
 
@@ -41,8 +44,9 @@ struct CrowdMember {
 /// A species at every wavelength of its scene.
 struct ResolvedSpecies {
     Species species;
-    std::vector<Particles> particles = {};   ///< empty for species that bring their optics
-    std::vector<double> wavelength_nm = {};  ///< in vacuum
+    std::vector<Particles> particles = {};          ///< empty for species that bring their optics
+    std::shared_ptr<const GivenMedium> given = {};  ///< of these; null for spheres
+    std::vector<double> wavelength_nm = {};         ///< in vacuum
     mie::SizeDistribution sizes = {};
     double effective_radius_um = 0.0;  ///< of the spheres, or of their cores
     double outer_radius_um = 0.0;      ///< that of a core of this radius, with its coatings

@@ -11,7 +11,6 @@
 
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
-#include "pipeline/scene/scattering_file.h"
 #include "pipeline/scene/species_keys.h"
 #include "pipeline/solve/amounts.h"
 #include "pipeline/solve/coated.h"
@@ -52,15 +51,12 @@ double radius_of_surface_um(const Species& species, std::optional<double> of_mat
     return 3.0 * kUmPerUnit / (*density * *species.sizes.specific_surface_m2_per_kg);
 }
 
-/// Sizes of what comes from a file; where it has none, a radius that makes 3 f Q / (4 r) the number
-/// in a um3 times the cross-section.
-void set_file_sizes(ResolvedSpecies& resolved) {
-    const bool sized = has_sizes(resolved.species.scattering);
-    resolved.effective_radius_um =
-        sized ? effective_radius_of_file(resolved.species, resolved.wavelength_nm.front()) : 0.75;
+/// Sizes of species that bring their optics and an extinction.
+void set_given_sizes(ResolvedSpecies& resolved) {
+    resolved.effective_radius_um = resolved.given->radius_um(resolved.wavelength_nm.front());
     resolved.outer_radius_um = resolved.effective_radius_um;
     resolved.density_g_cm3 = resolved.species.density_g_cm3;
-    if (sized) resolved.sizes = sizes_of_file(resolved.species);
+    if (const auto sizes = resolved.given->sizes()) resolved.sizes = *sizes;
 }
 
 /// A list of moments or coefficients whose end is not small was cut; short ones may be whole.
@@ -126,7 +122,9 @@ double absorption_per_um(double k, double wavelength_nm) {
 
 /// Stands for the particles of a layer that has none: it asks for no work of its own.
 ResolvedSpecies no_particles(const std::vector<double>& wavelength_nm) {
-    ResolvedSpecies none{.species = {.kind = Species::Kind::isotropic, .parameters = {1.0}},
+    const Species isotropic{.kind = Species::Kind::isotropic, .parameters = {1.0}};
+    ResolvedSpecies none{.species = isotropic,
+                         .given = kind_of(isotropic).given(isotropic),
                          .wavelength_nm = wavelength_nm,
                          .effective_radius_um = 1.0,
                          .volume_fraction = 0.0};
@@ -140,7 +138,7 @@ ResolvedSpecies no_particles(const std::vector<double>& wavelength_nm) {
 /// so that one which is added has to be looked at here.
 std::string species_key(const ResolvedSpecies& resolved, std::size_t w) {
     // Crowding, and how much of it there is, belong to the mixture.
-    const auto& [species, particles, wavelength_nm, size_distribution, effective_radius_um,
+    const auto& [species, particles, given, wavelength_nm, size_distribution, effective_radius_um,
                  outer_radius_um, volume_per_core, volume_fraction, of_density, crowded, crowd,
                  known_key] = resolved;
     const auto& [kind, name, parameters, chi, table_nm, matrices, index, scattering, sizes,
@@ -151,12 +149,11 @@ std::string species_key(const ResolvedSpecies& resolved, std::size_t w) {
     key.add(kind).add(parameters).add(chi);
     const bool has_extinction = resolved.has_extinction();
     if (has_extinction || !matrices.empty()) {
-        const rte::Optics optics = kind_of(species).optics(species, wavelength_nm[w]);
-        key.add(optics.single_scattering_albedo).add(optics.chi);
+        const rte::Optics optics = given->optics(wavelength_nm[w]);
+        key.add(optics.single_scattering_albedo).add(optics.chi).add(bool(optics.phase));
         if (optics.polarisation) key.add<MatrixExpansion>(*optics.polarisation);
     }
-    if (has_extinction)
-        key.add(extinction_of_file(species, wavelength_nm[w])).add(scattering.phase.size());
+    if (has_extinction) key.add(given->extinction(wavelength_nm[w]));
     return key.hash();
 }
 
@@ -286,7 +283,8 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
         require_grains(resolved);
     } else {
         add_source(describe(species));
-        if (has_extinction(species)) set_file_sizes(resolved);
+        resolved.given = kind_of(species).given(species);
+        if (has_extinction(species)) set_given_sizes(resolved);
         if (std::string note = cut_note(species); !note.empty()) add_note(std::move(note));
     }
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w)

@@ -60,8 +60,8 @@ bool scatters_nothing(const Medium& medium) {
 int most_fourier_orders(const ResolvedScene& scene) {
     int most = 0;
     for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-        const Species& species = scene.media[m].species.front().species;
-        const int orders = kind_of(species).most_fourier_orders(species);
+        const auto& given = scene.media[m].species.front().given;
+        const int orders = given ? given->most_fourier_orders() : 0;
         if (orders == 0) return 0;
         most = std::max(most, orders);
     }

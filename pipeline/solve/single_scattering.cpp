@@ -14,7 +14,6 @@
 #include <miebrdf/ensemble.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
-#include "pipeline/scene/scattering_file.h"
 #include "pipeline/solve/coated.h"
 #include "pipeline/solve/grain_shape.h"
 #include "rte/first_order/first_order.h"
@@ -190,9 +189,9 @@ MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
         return from_mie(average(mie::average_over_sizes, species.species, request, run), request);
     }
     MediumOptics result;
-    result.optics = kind_of(species.species).optics(species.species, species.wavelength_nm[w]);
+    result.optics = species.given->optics(species.wavelength_nm[w]);
     if (species.has_extinction())
-        result.q_ext = extinction_of_file(species.species, species.wavelength_nm[w]);
+        result.q_ext = species.given->extinction(species.wavelength_nm[w]);
     result.asymmetry = result.optics.chi.size() > 1 ? result.optics.chi[1] : 0.0;
     for (const double angle : demand.angles_deg) {
         result.phase.push_back(

@@ -96,7 +96,7 @@ TEST_CASE("a medium made by hand is the one made from words", "[pipeline][medium
 TEST_CASE("two Henyey-Greenstein lobes have the moments and the phase function of their sum",
           "[pipeline][medium]") {
     const Species lobes = species("dhg:0.9,0.8,-0.3,0.75");
-    const rte::Optics optics = kind_of(lobes).optics(lobes, 550);
+    const rte::Optics optics = kind_of(lobes).given(lobes)->optics(550);
     CHECK(std::abs(optics.single_scattering_albedo - 0.9) <= 1e-15);
     for (int l = 0; l < 20; ++l) {
         const double exact = 0.75 * std::pow(0.8, l) + 0.25 * std::pow(-0.3, l);
