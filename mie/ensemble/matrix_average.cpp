@@ -150,7 +150,7 @@ class MatrixAverage {
         const double q_ext = 2 * (sums.scattered + sums.absorbed) / ensemble_.share;
         const double exact = passes_.exact_q_ext();
         const double missed = exact > 0 ? std::abs(q_ext / exact - 1) : change;
-        error_ = passes_.error(change, missed, 0.5, 0.5 * change,
+        error_ = passes_.error(change, missed, 0.5, 0.0,
                                std::max(AverageLimits::kRounding, tail_for(request_)));
     }
 
