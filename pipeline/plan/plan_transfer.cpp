@@ -127,7 +127,7 @@ void Planner::leave_out_solutions() {
                   jobs() * orders() * static_cast<double>(coats() - 1) *
                       order_seconds(size_, 1, cosines()));
     }
-    if (scatters_nothing(scene_.media.front().medium)) {
+    if (scatters_nothing(scene_.media.front())) {
         leave_out("nothing scatters",
                   fmt::format("{} scatters nothing: a black ground",
                               describe(scene_.media.front().medium)),

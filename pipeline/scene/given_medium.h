@@ -33,6 +33,8 @@ class GivenMedium {
     virtual double radius_um(double) const { return kNoRadiusUm; }
     /// The sizes that words say; empty: the medium has none.
     virtual std::optional<mie::SizeDistribution> sizes() const { return std::nullopt; }
+    /// Of what fills f, where the data tell it.
+    virtual std::optional<double> density_g_cm3() const { return std::nullopt; }
     /// f of so many particles in a um3. @throws UsageError  where that is not known
     virtual double share_of_number(double per_um3, double) const { return per_um3; }
 };

@@ -188,7 +188,7 @@ void require_amounts(const Medium& medium) {
     const std::string text = describe(medium);
     for (const Species& species : medium.species) {
         if (species.amount && species.amount->kind == Amount::Kind::volume_fraction &&
-            species.amount->value > kDensestPacking) {
+            !kind_of(species).fills_layer && species.amount->value > kDensestPacking) {
             throw UsageError(fmt::format(
                 "medium '{}': volume fraction {} is out of range; allowed: up to {}, the densest "
                 "packing of equal spheres",

@@ -10,6 +10,7 @@
 #include "pipeline/scene/moments_file.h"
 #include "pipeline/scene/scattering_file.h"
 #include "pipeline/scene/scene_parts.h"
+#include "pipeline/scene/turbid_medium.h"
 
 namespace miebrdf {
 namespace {
@@ -242,7 +243,7 @@ const std::vector<MediumKind>& medium_kinds() {
         material(),   index(),    table(),
         isotropic(),  rayleigh(), henyey_greenstein(),
         moments(),    matrix(),   double_henyey_greenstein(),
-        scattering(),
+        scattering(), paste(),    turbid(),
     };
     return kinds;
 }

@@ -38,11 +38,13 @@ struct MediumKind {
     /// Where `parameters` may come from a file in place of numbers: reads it.
     std::function<void(const std::string& path, Species& species)> read_file = {};
     /// Makes its data, where the medium brings its optics; empty: spheres of a refractive index,
-    /// through Mie theory. The first parameter is then the single-scattering albedo, 0 or 1 only
-    /// where it is that at every wavelength.
+    /// through Mie theory.
     std::function<std::shared_ptr<const GivenMedium>(const Species& species)> given = {};
     /// Whether its extinction is known beside its optics.
     bool has_extinction = false;
+    /// Whether its extinction is that per um of a layer which it fills: a thickness needs no
+    /// amount, and shares of the volume reach 1.
+    bool fills_layer = false;
     /// The species without the keys that it takes (sizes, amounts), which describe_keys() writes.
     std::function<Species(Species species)> without_own_keys = [](Species all) { return all; };
     std::string own_keys = {};  ///< these, in words for a message

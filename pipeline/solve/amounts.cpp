@@ -6,6 +6,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/sizes.h>
+#include "pipeline/scene/medium_kinds.h"
 #include "pipeline/scene/scene_parts.h"
 
 namespace miebrdf {
@@ -15,6 +16,8 @@ constexpr double kKgPerM3 = 1000.0;     // of 1 g/cm3
 constexpr double kKgPerM2AndUm = 1e-3;  // of 1 g/cm3, in a layer of 1 um
 constexpr double kUm3PerCm3 = 1e12;
 constexpr double kFractionRounding = 1e-12;
+
+bool fills_layer(const ResolvedSpecies& species) { return kind_of(species.species).fills_layer; }
 
 bool has_kind(const ResolvedSpecies& species, Amount::Kind kind) {
     return species.species.amount && species.species.amount->kind == kind;
@@ -51,6 +54,8 @@ void set_by_mass(ResolvedMedium& medium, std::optional<double> layer_density_kg_
     double layer_density = 0.0;  // g/cm3
     if (layer_density_kg_m3) {
         layer_density = *layer_density_kg_m3 / kKgPerM3;
+    } else if (is_whole && std::all_of(medium.species.begin(), medium.species.end(), fills_layer)) {
+        layer_density = 1.0 / volume_per_mass;
     } else if (!is_whole && host_density_g_cm3) {
         layer_density = 1.0 / (volume_per_mass + (1.0 - sum) / *host_density_g_cm3);
     } else if (!is_whole) {
@@ -83,7 +88,8 @@ double by_number(const ResolvedSpecies& species) {
 void require_possible(const ResolvedMedium& medium) {
     const std::string text = describe(medium.medium);
     for (const ResolvedSpecies& species : medium.species) {
-        if (species.volume_fraction <= kDensestPacking + kFractionRounding) continue;
+        const double most = fills_layer(species) ? 1.0 : kDensestPacking;
+        if (species.volume_fraction <= most + kFractionRounding) continue;
         throw UsageError(fmt::format(
             "medium '{}': {} would fill {:.4g} of the volume; allowed: up to {}, the densest "
             "packing of equal spheres (look at amounts, densities and layer_density_kg_m3)",
@@ -112,6 +118,10 @@ void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_
         return;
     }
     if (medium.species.size() == 1 && !first.species.amount) {
+        if (fills_layer(first)) {
+            medium.has_amounts = true;
+            return;
+        }
         // All the mass of a layer of known density is that of its only species.
         if (!layer_density_kg_m3 || !first.density_g_cm3) return;
         const double fraction = *layer_density_kg_m3 / (kKgPerM3 * *first.density_g_cm3);

@@ -56,6 +56,7 @@ void set_given_sizes(ResolvedSpecies& resolved) {
     resolved.effective_radius_um = resolved.given->radius_um(resolved.wavelength_nm.front());
     resolved.outer_radius_um = resolved.effective_radius_um;
     resolved.density_g_cm3 = resolved.species.density_g_cm3;
+    if (!resolved.density_g_cm3) resolved.density_g_cm3 = resolved.given->density_g_cm3();
     if (const auto sizes = resolved.given->sizes()) resolved.sizes = *sizes;
 }
 

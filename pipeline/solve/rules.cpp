@@ -40,7 +40,9 @@ bool absorbs_nothing(const ResolvedMedium& medium, std::size_t w) {
     return medium.host_absorption[w] == 0.0 &&
            std::all_of(
                medium.species.begin(), medium.species.end(), [w](const ResolvedSpecies& species) {
-                   if (!species.needs_mie()) return species.species.parameters[0] == 1.0;
+                   if (!species.needs_mie())
+                       return species.given->optics(species.wavelength_nm[w]).one_minus_albedo ==
+                              0.0;
                    return all_layers(species.particles[w],
                                      [](std::complex<double> n) { return n.imag() == 0.0; });
                });
@@ -53,8 +55,12 @@ bool absorbs_nothing(const ResolvedScene& scene, std::size_t w) {
                        [w](const ResolvedMedium& medium) { return absorbs_nothing(medium, w); });
 }
 
-bool scatters_nothing(const Medium& medium) {
-    return !needs_mie(medium) && medium.species.front().parameters[0] == 0.0;
+bool scatters_nothing(const ResolvedMedium& medium) {
+    const ResolvedSpecies& only = medium.species.front();
+    if (only.needs_mie() || medium.species.size() > 1) return false;
+    return std::all_of(only.wavelength_nm.begin(), only.wavelength_nm.end(), [&](double nm) {
+        return only.given->optics(nm).single_scattering_albedo == 0.0;
+    });
 }
 
 int most_fourier_orders(const ResolvedScene& scene) {

@@ -34,7 +34,7 @@ bool absorbs_nothing(const ResolvedMedium& medium, std::size_t w);
 bool absorbs_nothing(const ResolvedScene& scene, std::size_t w);
 
 /// Scatters nothing (albedo 0): black as a base.
-bool scatters_nothing(const Medium& medium);
+bool scatters_nothing(const ResolvedMedium& medium);
 
 /// Most Fourier orders of radiative transfer by media whose moments are known without computing;
 /// 0 where any is unknown.

@@ -195,9 +195,13 @@ TEST_CASE("analytic medium: no Mie theory for it", "[pipeline][rules]") {
 }
 
 TEST_CASE("nothing scatters: a black ground takes the place of such layers", "[pipeline][rules]") {
-    CHECK(scatters_nothing(medium("hg:0,0.5")));
-    CHECK_FALSE(scatters_nothing(medium("isotropic:1e-9")));
-    CHECK_FALSE(scatters_nothing(medium("index:1.5,0")));
+    const auto base_scatters_nothing = [](const char* words) {
+        return scatters_nothing(resolve(scene_of(words), {550}).media.front());
+    };
+    CHECK(base_scatters_nothing("hg:0,0.5"));
+    CHECK(base_scatters_nothing("turbid:2,0"));
+    CHECK_FALSE(base_scatters_nothing("isotropic:1e-9"));
+    CHECK_FALSE(base_scatters_nothing("index:1.5,0"));
     CHECK(leaves_out(scene_of("isotropic:0", {"hg:0.9,0.1@1"}), "nothing scatters"));
 
     rte::Stack stack;

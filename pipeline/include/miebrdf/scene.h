@@ -137,13 +137,16 @@ struct Species {
         moments,
         matrix,
         double_henyey_greenstein,
-        scattering
+        scattering,
+        paste,
+        turbid
     };
     Kind kind = Kind::material;
     /// material: NAME or source:KEY; what is read from a file: its path; table: any
     std::string name = {};
     /// The numbers after the colon, rayleigh with its depolarisation factor, which may be left out;
-    /// moments, matrix, scattering: the albedo. Over several wavelengths the means.
+    /// moments, matrix, scattering: the albedo; paste: the asymmetry and the density in g/cm3 (0:
+    /// not known). Over several wavelengths the means.
     std::vector<double> parameters = {};
     std::vector<double> chi = {};  ///< moments, the same at all: chi_0 = 1, chi_1, ...
     /// table, matrix, moments, hg: in vacuum, ascending; but for table empty: the same at all
@@ -152,7 +155,8 @@ struct Species {
     std::vector<MatrixCoefficients> matrices = {};
     std::vector<std::complex<double>> index = {};  ///< table: n + ik at each wavelength, between
                                                    ///< them monotone cubic in photon energy
-    FileScattering scattering = {};                ///< scattering: what the file has
+    FileScattering scattering = {};                ///< scattering: what the file has; paste:
+                                                   ///< wavelength_nm, albedo, extinction (1/um)
     ParticleSizes sizes = {};                      ///< of species that go through Mie theory
     std::vector<Coating> coatings = {};            ///< of these, from inside out
     GrainShape shape = {};
@@ -181,8 +185,9 @@ struct Medium {
 };
 
 /// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
-/// `hg:ALBEDO,G`, `hg:FILE`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE`, `matrix:FILE` (read here;
-/// names are looked up by solve()), then sizes and amounts of its own:
+/// `hg:ALBEDO,G`, `hg:FILE`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE`, `matrix:FILE`,
+/// `scattering:FILE`, `paste:FILE`, `paste:NAME` (read here; names of materials are looked up by
+/// solve()), `turbid:MU_A,MU_S_REDUCED,G`, then sizes and amounts of its own:
 /// `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
 /// @throws InputError  for a moments file that is missing or wrong
