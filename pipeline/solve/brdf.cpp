@@ -106,7 +106,7 @@ std::vector<LayerSlice> layers_of(const BrdfState& state, const Directions& dire
                                   const BrdfParts& parts) {
     const ResolvedScene& scene = state.resolved;
     std::vector<LayerSlice> layers(scene.wavelength_nm.size());
-    if (wants_layers(parts)) {
+    if (wants_layers(parts) && !has_no_pairs(directions)) {
         layers = compute_layers({scene, directions, state.solver, LayerQuantity::reflection},
                                 state.control);
     } else {
@@ -128,6 +128,7 @@ BrdfValues brdf_values(std::vector<LayerSlice> layers, const BrdfState& state,
     values.notes = scene.notes;
     for (const LayerSlice& layer : layers) values.wavelengths.push_back(layer.report);
     values.slices.resize(layers.size());
+    if (has_no_pairs(directions)) return values;
     run_parallel("surface", layers.size(), state.control, [&](std::size_t w) {
         values.slices[w] =
             slice_of(std::move(layers[w]), scene,

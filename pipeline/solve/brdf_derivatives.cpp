@@ -14,6 +14,7 @@
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/layer_derivatives.h"
 #include "pipeline/solve/parallel.h"
+#include "pipeline/solve/rules.h"
 #include "pipeline/solve/scene_changes.h"
 #include "pipeline/solve/surface_part.h"
 
@@ -95,6 +96,13 @@ WithDerivatives<BrdfValues> BrdfDerivatives::evaluate(const Directions& directio
     const std::vector<LayerSlice> layers = layers_of(brdf, directions, parts);
     WithDerivatives<BrdfValues> all{
         brdf_values(layers, brdf, directions, parts), state_->parameters, {}};
+    if (has_no_pairs(directions)) {
+        BrdfValues none;
+        none.directions = directions;
+        none.slices.resize(layers.size());
+        all.derivatives.assign(state_->changes.size(), none);
+        return all;
+    }
     const auto slopes =
         layer_derivatives({brdf.resolved, directions, brdf.solver, LayerQuantity::reflection},
                           layers, state_->changes, brdf.control);

@@ -34,6 +34,10 @@ bool only_across(const Directions& directions) {
     return rte::fourier_order_vanishes(1, directions.azimuth_deg);
 }
 
+bool has_no_pairs(const Directions& directions) {
+    return directions.mu_in.empty() || directions.mu_out.empty() || directions.azimuth_deg.empty();
+}
+
 bool is_symmetric(const Directions& directions) { return directions.mu_in == directions.mu_out; }
 
 bool absorbs_nothing(const ResolvedMedium& medium, std::size_t w) {

@@ -24,6 +24,9 @@ bool only_zenith(const Directions& directions);
 /// vanish.
 bool only_across(const Directions& directions);
 
+/// A list is empty: there is no combination of directions, and no value.
+bool has_no_pairs(const Directions& directions);
+
 /// A list of incident cosines that is also that of the outgoing ones: half of the pairs follow from
 /// reciprocity where the quantity is symmetric.
 bool is_symmetric(const Directions& directions);

@@ -129,11 +129,17 @@ Optics mix(const std::vector<MixtureComponent>& components) {
         mixture.chi = {1.0};  // nothing scatters: any phase function will do
         return mixture;
     }
+    // Rounded shares may add up to more than 1; s / (s + a) never exceeds it.
+    const double whole = mixture.single_scattering_albedo + mixture.one_minus_albedo;
     for (std::size_t c = 0; c < components.size(); ++c) {
         scattering[c] /= mixture.single_scattering_albedo;
         const std::vector<double>& chi = components[c].optics.chi;
         for (std::size_t l = 0; l < chi.size(); ++l) mixture.chi[l] += scattering[c] * chi[l];
     }
+    mixture.chi.front() = 1.0;
+    for (double& chi : mixture.chi) chi = std::clamp(chi, -1.0, 1.0);
+    mixture.single_scattering_albedo /= whole;
+    mixture.one_minus_albedo /= whole;
     for (const MixtureComponent& component : components) {
         if (!component.optics.has_more_moments)
             continue;  // beyond a list that was cut, none is known

@@ -141,16 +141,36 @@ void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack
     report.share_within_tolerance = double(within) / double(table.errors.size());
 }
 
+/// Without a pair of directions there is no value of R, but each incidence has its albedo.
+ReflectionTable without_pairs(const Stack& stack, const std::vector<double>& mu_in,
+                              const SolvedLight& light, const SolverOptions& options,
+                              SolutionMemory& memory) {
+    AlbedoTable albedos = light.components > 1 ? polarised_albedo(stack, mu_in, options, &memory)
+                                               : albedo(stack, mu_in, options, {}, &memory);
+    ReflectionTable table;
+    table.components = light.shown();
+    table.plane_albedo = std::move(albedos.plane_albedo);
+    table.polarised_plane_albedo = std::move(albedos.polarised_plane_albedo);
+    table.steps_converged = albedos.report.converged;
+    table.report = std::move(albedos.report);
+    find_mirror_reflectances(stack, mu_in, light, SolutionParts::of(memory).exact,
+                             table.mirror_reflectance);
+    return table;
+}
+
 ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
                               const SolvedLight& light, const SolverOptions& options,
                               SolutionMemory* memory, const RefinementCallback& refined) {
+    std::optional<SolutionMemory> own;
+    if (memory == nullptr) memory = &own.emplace();
+    if (directions.mu_in.empty() || directions.mu_out.empty() || directions.azimuth_deg.empty())
+        return without_pairs(stack, directions.mu_in, light, options, *memory);
     const AzimuthProbes probes(stack, directions, options);
     const Directions& judged = probes.directions();
     const RequestedDirections requested = collect_with_probes(judged);
     const auto elements = std::size_t(light.shown() * light.shown());
     const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size() * elements;
-    std::optional<SolutionMemory> own;
-    SolutionParts& kept = SolutionParts::of(memory != nullptr ? *memory : own.emplace());
+    SolutionParts& kept = SolutionParts::of(*memory);
     FourierOrders orders;  // of the solution before, with fewer nodes
     int nodes_before = 0;
     FirstOrderSum first_order(judged, options, light.components, light.shown());

@@ -1,6 +1,7 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 #include <miebrdf/table1.h>
+#include <miebrdf/transfer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -396,4 +397,41 @@ TEST_CASE("a BRDF that is stopped says so and can be asked again", "[pipeline][b
     stop = false;
     CHECK(brdf.evaluate(few_directions()).slices[0].total ==
           solve(coated_spheres(), {550}).evaluate(few_directions()).slices[0].total);
+}
+
+TEST_CASE("an empty list of directions gives an empty result", "[pipeline][brdf]") {
+    const char* const coat = "hg:0.8,0.5 in index:1.5@0.5";
+    Scene plain = scene_of("hg:0.9,0.5", {"isotropic:0.5@0.1"}),
+          refracting = scene_of("hg:0.9,0.5 in index:1.5", {coat});
+    say(plain, "base", {"hg:{w=0.9},0.5"});
+    refracting.boundary = boundary("smooth");
+    Scene over_mirror = refracting;
+    over_mirror.substrate = substrate("mirror:index:0.2,3");
+    const Scene rough = under_surface(scene_of("hg:0.9,0.5"), 0.3, 1.5);
+    const std::vector<double> lists[] = {{}, {0.5}};
+    for (const Scene& scene : {plain, refracting, over_mirror, rough}) {
+        const Brdf brdf = solve(scene, {450, 550});
+        for (int which = 0; which < 7; ++which) {  // all but the one that has three cosines
+            const Directions some{lists[which & 1], lists[(which >> 1) & 1],
+                                  which & 4 ? std::vector<double>{0.0} : std::vector<double>{}};
+            const BrdfValues values = brdf.evaluate(some);
+            REQUIRE(values.slices.size() == 2);
+            CHECK(values.slices[1].total.empty());
+            CHECK(values.wavelengths[1].converged);
+            if (!scene.surface) {
+                const MuellerValues matrices = brdf.mueller(some);
+                REQUIRE(matrices.mueller.size() == 2);
+                CHECK(matrices.mueller[1].empty());
+            }
+            const HdrfValues factors = brdf.hdrf(some, 0.0);
+            REQUIRE(factors.hdrf.size() == 2);
+            CHECK(factors.hdrf[1].empty());
+        }
+        CHECK(brdf.albedo({}).plane_albedo[1].empty());
+    }
+    const auto by_w = solve(plain, {550}).derivatives({"w"});
+    CHECK(by_w.evaluate({{0.5}, {}, {0.0}}).derivatives[0].slices[0].total.empty());
+    CHECK(by_w.albedo({}).derivatives[0].plane_albedo[0].empty());
+    CHECK(
+        rte::reflect({.base = rte::isotropic_optics(0.9)}, {{}, {0.5}, {0.0}}).reflection.empty());
 }

@@ -91,3 +91,18 @@ TEST_CASE("a mixture averages albedos by extinction and phase functions by scatt
     CHECK_THROWS_AS(rte::mix({}), UsageError);
     CHECK_THROWS_WITH(rte::mix({{hg, -1.0}}), Catch::Contains("-1"));
 }
+
+TEST_CASE("mixtures of media that absorb nothing absorb nothing, in any shares", "[rte][optics]") {
+    // Shares of the extinction add up to more than 1 by rounding in a third of these.
+    const rte::Optics white = rte::henyey_greenstein_optics(1.0, 0.3),
+                      molecules = rte::rayleigh_optics(1.0);
+    for (int i = 1; i <= 200; ++i) {
+        const double a = 0.37 * i, b = 1.0 / i;
+        const rte::Optics mixture =
+            rte::mix({{white, a}, {molecules, b}, {rte::isotropic_optics(1.0), a * b}});
+        CAPTURE(i);
+        CHECK(mixture.single_scattering_albedo == 1.0);
+        CHECK(mixture.one_minus_albedo == 0.0);
+        CHECK_NOTHROW(rte::validate(mixture));
+    }
+}
