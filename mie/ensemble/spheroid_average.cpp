@@ -117,8 +117,8 @@ class SpheroidAverage {
         const Eigen::MatrixXd series_before = std::move(series_);
         EnsembleOptics& o = result_.optics;
         o.q_ext = sums.extinction;
-        o.q_sca = ensemble_.scatterer.absorbs() ? sums.scattering() : o.q_ext;
-        o.q_abs = std::max(0.0, o.q_ext - o.q_sca);
+        o.q_sca = ensemble_.scatterer.absorbs() ? std::min(sums.scattering(), o.q_ext) : o.q_ext;
+        o.q_abs = o.q_ext - o.q_sca;
         o.one_minus_albedo = o.q_abs / o.q_ext;
         o.single_scattering_albedo = o.q_sca / o.q_ext;
         o.asymmetry = sums.series(1, 0) / sums.scattering();

@@ -35,7 +35,6 @@ if(BUILD_SHARED_LIBS)
         VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
     target_link_libraries(miebrdf_everything PUBLIC ${arithmetic}
                                              PRIVATE ${outside} $<BUILD_INTERFACE:miebrdf_flags>)
-    miebrdf_finds_libraries(miebrdf_everything "${CMAKE_INSTALL_LIBDIR}")
 else()
     add_library(miebrdf_everything INTERFACE)
     # To link alone: what their sources include stays with them.
@@ -56,6 +55,9 @@ target_compile_features(miebrdf_everything INTERFACE cxx_std_20)
 add_library(miebrdf::miebrdf ALIAS miebrdf_everything)
 install(TARGETS miebrdf_everything EXPORT miebrdfTargets
         LIBRARY COMPONENT program NAMELINK_COMPONENT dev)
+if(BUILD_SHARED_LIBS)
+    miebrdf_finds_libraries(miebrdf_everything "${CMAKE_INSTALL_LIBDIR}")
+endif()
 
 install(EXPORT miebrdfTargets NAMESPACE miebrdf:: DESTINATION "${package_dir}")
 configure_package_config_file("${PROJECT_SOURCE_DIR}/tools/cmake/miebrdfConfig.cmake.in"
