@@ -224,9 +224,11 @@ class DifferenceSums {
         all.reserve(changes.size());
         for (std::size_t c = 0; c < changes.size(); ++c) {
             const SphereSums& more = sums_.differences[c].spheres;
-            // A single end has the ripple that its neighbours smooth.
-            const bool is_exact =
-                knows_extinction && (spheres[c].spheres_differ || !ensemble.law().has_ends);
+            // Coatings may come with the change. A single end has the ripple that its neighbours
+            // smooth.
+            const bool is_exact = knows_extinction && spheres[c].plus.scatterer.is_plain() &&
+                                  spheres[c].minus.scatterer.is_plain() &&
+                                  (spheres[c].spheres_differ || !ensemble.law().has_ends);
             const double q_ext = is_exact ? exact(changes[c].plus) - exact(changes[c].minus)
                                           : factor * (more.scattered + more.absorbed);
             const auto q_abs = rays ? absorbed_by_rays(changes[c]) : std::nullopt;

@@ -1,5 +1,6 @@
 #include "mie/ensemble/fixed_radii.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,7 +16,7 @@ using Rule = SizePasses::Rule;
 
 /// Radii around a sharp end of a law, by which what it gains there is told: the end alone where
 /// spheres are smooth in size; else as many as see all phases of ripple and interference, with
-/// the weights of a difference that is as wide and has no edges.
+/// weights that have no edges and no second moment: what is smooth there is the value at the end.
 SizeNodes nodes_at_end(const Ensemble& ensemble, double end_um, Rule rule) {
     if (rule != Rule::even) return {{end_um}, {1.0}};
     const double period = ensemble.scatterer.ripple_period(),
@@ -24,14 +25,13 @@ SizeNodes nodes_at_end(const Ensemble& ensemble, double end_um, Rule rule) {
         std::numbers::pi / std::max(std::abs(ensemble.scatterer.n() - 1), 1e-3);
     const double half =
         std::min(std::max(interference, RadiiRule::kPeriods * period), RadiiRule::kWidest * x);
-    const int count = std::max(3, int(2 * half * RadiiRule::kSizesPerPeriod / period));
-    SizeNodes nodes;
-    for (int i = 0; i < count; ++i) {
-        const double t = (i + 0.5) / count;
-        nodes.radius_um.push_back(end_um * (1 + half / x * (2 * t - 1)));
-        nodes.area_share.push_back((1 - std::cos(2 * std::numbers::pi * t)) / count);
-    }
-    return nodes;
+    const int count = std::max(5, int(2 * half * RadiiRule::kSizesPerPeriod / period));
+    const Eigen::ArrayXd s = Eigen::ArrayXd::LinSpaced(count, -1.0, 1.0) * (1.0 - 1.0 / count);
+    Eigen::ArrayXd share = (1.0 + (std::numbers::pi * s).cos()) / count;
+    const double second = (share * s.square()).sum(), fourth = (share * s.pow(4)).sum();
+    share *= (fourth - second * s.square()) / (fourth - second * second);
+    const Eigen::ArrayXd radius_um = end_um * (1.0 + half / x * s);
+    return {{radius_um.begin(), radius_um.end()}, {share.begin(), share.end()}};
 }
 
 }  // namespace
@@ -54,7 +54,9 @@ Radii radii_of(const EnsembleRequest& request, double most, const Executor& run)
         before = q_ext;
         const double last = std::exchange(absorbed, sums.spheres.absorbed);
         if (last > 0.0 && absorbed > 0.0) absorption_error = std::abs(std::log(absorbed / last));
-        if (error <= request.tolerance || passes.sizes_so_far() >= most || !passes.refine()) break;
+        if (error <= RadiiRule::kShareOfTolerance * request.tolerance ||
+            passes.sizes_so_far() >= most || !passes.refine())
+            break;
     }
     const bool is_smooth = passes.rule() == Rule::smooth;
     const int wanted = RadiiRule::kTimesAsManySizes * passes.sizes_so_far();

@@ -21,6 +21,9 @@ namespace {
 constexpr double kStep = 1e-5;
 // Where a number may not be larger, or not smaller, the difference has an error of first order.
 constexpr double kOneSidedStep = 1e-7;
+// Where the indices of hosts change, whole solutions are differenced, which have fewer digits; and
+// above the index of air, where there is one side alone, indices closer than 1e-7 have no boundary.
+constexpr double kIndexStep = 3e-5, kOneSidedIndexStep = 1e-5;
 // No number that is 0 tells what is small beside it: for albedos, shares, g and k this is.
 constexpr double kStepFromZero = 1e-7;
 
@@ -34,13 +37,18 @@ std::optional<ResolvedScene> possible(const Make& make, double value) {
     }
 }
 
+/// Shares of a number.
+struct Steps {
+    double both_sides = kStep, one_sided = kOneSidedStep;
+};
+
 /// The scene with the number on both sides, or on one where the other is not allowed.
 /// @param make  the scene of a value; throws UsageError for values out of range
 template <typename Make>
 SceneChange around(const std::string& parameter, double value, std::size_t wavelengths,
-                   const Make& make) {
+                   const Make& make, Steps steps = {}) {
     const double scale = std::abs(value);
-    double up = scale > 0.0 ? kStep * scale : kStepFromZero, down = up;
+    double up = scale > 0.0 ? steps.both_sides * scale : kStepFromZero, down = up;
     auto plus = possible(make, value + up), minus = possible(make, value - down);
     if (!plus && !minus) {
         throw UsageError(
@@ -48,7 +56,7 @@ SceneChange around(const std::string& parameter, double value, std::size_t wavel
                         "allowed; it is a choice, and none of these values has a derivative",
                         parameter, value));
     }
-    const double one_sided = scale > 0.0 ? kOneSidedStep * scale : kStepFromZero;
+    const double one_sided = scale > 0.0 ? steps.one_sided * scale : kStepFromZero;
     if (!plus) {
         up = 0.0;
         minus = make(value - (down = one_sided));
@@ -62,6 +70,17 @@ SceneChange around(const std::string& parameter, double value, std::size_t wavel
     const double apart = (value + up) - (value - down);
     return {parameter, std::move(*plus), std::move(*minus),
             std::vector<double>(wavelengths, apart)};
+}
+
+/// Whether boundaries see other indices.
+bool moves_hosts(const ResolvedScene& scene, const SceneChange& change) {
+    if (!scene.boundary) return false;
+    const auto indices = [](const ResolvedScene& side) {
+        std::vector<std::vector<double>> all{side.scene_host_index};
+        for (const ResolvedMedium& medium : side.media) all.push_back(medium.host_index);
+        return all;
+    };
+    return indices(change.plus) != indices(scene) || indices(change.minus) != indices(scene);
 }
 
 /// Names of materials and hosts of a scene.
@@ -111,9 +130,13 @@ SceneChange change_of_index(const BrdfState& state, const std::string& parameter
     };
     SceneChange change{parameter, {}, {}, {}};
     if (!index.is_k) {
-        change.plus = shifted({{}, kStep, 0.0, 0.0});
-        change.minus = shifted({{}, -kStep, 0.0, 0.0});
-        change.apart.assign(nm.size(), 2.0 * kStep);
+        const auto by = [&](double step) {
+            change.plus = shifted({{}, step, 0.0, 0.0});
+            change.minus = shifted({{}, -step, 0.0, 0.0});
+            change.apart.assign(nm.size(), 2.0 * step);
+        };
+        by(kStep);
+        if (moves_hosts(state.resolved, change)) by(kIndexStep);
         return change;
     }
     // k spans decades over a spectrum: by a share of itself, and upwards from 0.
@@ -142,7 +165,11 @@ SceneChange change_of(const BrdfState& state, const std::string& parameter) {
         validate(scene);
         return resolve(scene, state.resolved.wavelength_nm, &state.control.memo->names());
     };
-    SceneChange change = around(parameter, found->value, state.resolved.wavelength_nm.size(), make);
+    const std::size_t wavelengths = state.resolved.wavelength_nm.size();
+    SceneChange change = around(parameter, found->value, wavelengths, make);
+    if (moves_hosts(state.resolved, change))
+        change =
+            around(parameter, found->value, wavelengths, make, {kIndexStep, kOneSidedIndexStep});
     // A layer of depth 0 and a surface without roughness are left out, and come with the change.
     const auto is_alike = [&](const ResolvedScene& changed) {
         return changed.media.size() == state.resolved.media.size() &&

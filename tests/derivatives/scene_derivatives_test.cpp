@@ -257,11 +257,76 @@ TEST_CASE("what is no number to vary is refused in its words", "[derivatives][er
     CHECK_THROWS_WITH(brdf.derivatives({"n()"}), Catch::Contains("no material or host"));
 }
 
-TEST_CASE("at the least step of an index the boundary is that of the values", "[derivatives]") {
+TEST_CASE("a host's index has its derivative beside another host of nearly the same",
+          "[derivatives]") {
+    // Central differences by 1e-4 and 1e-5 at a tolerance of 1e-9, which agree to 2e-5.
+    const auto [index, truth] = GENERATE(table<const char*, double>({{"1.49", .06150},
+                                                                     {"1.499", .06271},
+                                                                     {"1.4999", .06294},
+                                                                     {"1.5", .06298},
+                                                                     {"1.5001", .06301},
+                                                                     {"1.501", .06324},
+                                                                     {"1.503", .06358},
+                                                                     {"1.51", .06420}}));
+    const double tolerance = GENERATE(1e-2, 1e-3);
     Scene scene;
-    say(scene, "base", {"hg:0.9,0.6 in index:{n=1.001}"});
+    say(scene, "substrate", {"lambert:.5"});
+    say(scene, "coat",
+        {"hg:.9,.5 in index:1.5@1", "hg:.9,.5 in index:{a=" + std::string(index) + "}@1"});
     say(scene, "boundary", {"smooth"});
-    const auto all = solve(scene, {550}).derivatives({"n"}).albedo({0.5});
-    // From there on it falls by about 1 for each unit of the index.
-    CHECK(std::abs(all.derivatives[0].at(0, 0)) <= 2.0);
+    const Brdf brdf = solve(scene, {550}, {.tolerance = tolerance});
+    CAPTURE(index, tolerance);
+    CHECK(std::abs(brdf.derivatives({"a"}).albedo({0.3}).derivatives[0].at(0, 0) - truth) <=
+          0.01 * truth);
+}
+
+TEST_CASE("a host's index has its derivative at that of air, upwards", "[derivatives]") {
+    // Differences of values at a tolerance of 1e-9, between 1 and 1.00001, 1.00001 and 1.00003.
+    const auto [index, truth] =
+        GENERATE(table<const char*, double>({{"1", -2.2765}, {"1.00001", -2.2865}}));
+    Scene scene;
+    say(scene, "base", {"hg:.9,.5 in index:{n=" + std::string(index) + "}"});
+    say(scene, "boundary", {"smooth"});
+    const Brdf brdf = solve(scene, {550}, {.tolerance = 1e-2});
+    CAPTURE(index);
+    CHECK(std::abs(brdf.derivatives({"n"}).albedo({0.3}).derivatives[0].at(0, 0) / truth - 1) <=
+          0.01);
+}
+
+TEST_CASE("a coating that is not there yet has its derivative", "[derivatives][mie]") {
+    // One-sided differences of second order, by .01 nm at a tolerance of 1e-7.
+    const auto [law, truth] = GENERATE(table<const char*, double>(
+        {{"gamma", 1.23501e-3}, {"log-normal", 1.33114e-3}, {"power-law", 1.29769e-3}}));
+    Scene scene;
+    say(scene, "base",
+        {"index:2.5,.01,radius=.1,variance=.1,distribution=" + std::string(law) +
+         ",coating=index:1.5,0@{c=0}nm"});
+    const auto all = solve(scene, {550}).derivatives({"c"}).albedo({1});
+    CAPTURE(law);
+    CHECK(std::abs(all.derivatives[0].at(0, 0) / truth - 1) <= 0.005);
+}
+
+TEST_CASE("slopes of averages see resonances that values need not", "[derivatives][mie]") {
+    // Differences of values at a tolerance of 1e-8, by .1, .3 and 1 %, agree to 1e-3.
+    const auto [medium, truth] = GENERATE(table<const char*, double>(
+        {{"index:{a=2.287},0.001558,radius=0.5182,variance=0.084,distribution=gamma", .02574},
+         {"index:2.47,0.000643,radius=0.85,variance={a=.15},distribution=gamma", .04718}}));
+    Scene scene;
+    say(scene, "base", {medium});
+    const auto all = solve(scene, {550}).derivatives({"a"}).albedo({0.5});
+    CAPTURE(medium);
+    CHECK(std::abs(all.derivatives[0].at(0, 0) / truth - 1) <= 0.01);
+}
+
+TEST_CASE("ends of a power law have the spheres that lie there", "[derivatives][mie]") {
+    // Differences of values at a tolerance of 1e-7, by .2, .5 and 1 %, agree to 1e-3.
+    const auto [medium, truth] = GENERATE(table<const char*, double>(
+        {{"index:1.5,.05,radius=.5,variance={a=.05},distribution=power-law", .013642},
+         {"index:2.7,.05,radius=.5,variance={a=.05},distribution=power-law", .21095},
+         {"index:1.33,.01,radius=.5,variance={a=.05},distribution=power-law", -.072395}}));
+    Scene scene;
+    say(scene, "base", {medium});
+    const auto all = solve(scene, {550}).derivatives({"a"}).albedo({0.5});
+    CAPTURE(medium);
+    CHECK(std::abs(all.derivatives[0].at(0, 0) / truth - 1) <= 2e-3);
 }
