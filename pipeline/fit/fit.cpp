@@ -73,7 +73,7 @@ std::vector<std::unique_ptr<Part>> parts_of(const FitProblem& problem, const Con
 Certainty certainty_of(const Part& part, double sigma, double quantile) {
     const std::size_t n = part.numbers().size();
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    if (part.found.derivatives.empty()) {
+    if (part.found.derivatives.empty() || part.found.is_at_edge) {
         const std::vector<double> none(n, kNone);
         return {none, none, none, std::vector<bool>(n, false), std::vector<double>(n * n, kNone),
                 {}};
@@ -215,7 +215,7 @@ FitResult fit(const FitProblem& given, const Control& control) {
             "no standard errors: there are as many unknowns as "
             "values, or no residuals; give sigma "
             "or relative_sigma");
-    std::vector<std::string> undetermined, unreachable;
+    std::vector<std::string> undetermined, unreachable, about_search;
     const std::size_t all = std::size_t(numbers);
     result.correlation.assign(all * all, std::nan(""));
     result.values.resize(all);
@@ -244,7 +244,9 @@ FitResult fit(const FitProblem& given, const Control& control) {
             value.low = unknown.low;
             value.high = unknown.high;
             value.at_bound = certainty.at_bound[s];
-            value.note = sigma > 0.0 || value.at_bound ? note_of(value) : "";
+            value.note = part.found.is_at_edge ? "no interval: at the edge of what can be computed"
+                         : sigma > 0.0 || value.at_bound ? note_of(value)
+                                                         : "";
             for (std::size_t o = 0; o < slots; ++o)
                 result.correlation[places[p][s] * all + places[p][o]] =
                     certainty.correlation[s * slots + o];
@@ -252,7 +254,13 @@ FitResult fit(const FitProblem& given, const Control& control) {
         undetermined.insert(undetermined.end(), certainty.undetermined.begin(),
                             certainty.undetermined.end());
         add_unreachable(part, certainty.at_bound, sigma, unreachable);
+        for (const std::string& note : part.found.notes)
+            about_search.push_back(
+                parts.size() > 1
+                    ? fmt::format("{} nm: {}", part.model.wavelength_nm().front(), note)
+                    : note);
     }
+    add_lines(result.notes, about_search, "wavelengths likewise");
     add_lines(result.undetermined, undetermined, "directions are not determined");
     add_lines(result.notes, unreachable, "values are out of reach");
     if (parts.size() == 1) result.minima = parts.front()->found.minima;

@@ -1,17 +1,20 @@
 #include "pipeline/fit/minima.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Core>
 #include <Eigen/QR>
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 
 #include <miebrdf/error.h>
 #include "pipeline/fit/least_squares.h"
 #include "pipeline/fit/problem.h"
+#include "pipeline/fit/start_advice.h"
 
 namespace miebrdf::fitting {
 namespace {
@@ -23,22 +26,23 @@ constexpr double kSameMinimum = 0.01;
 /// by those of a finer one, or by averages of their own, from their minimum on.
 constexpr double kMostShift = 0.1;
 
+/// Analytic media: from so many starts. A third to a half of them end at the best minimum of BRDFs
+/// of two lobes below a rough surface (sintered PTFE, 351 to 1,064 nm), or at one that redrawn()
+/// leaves: all six miss it in one of a hundred.
+constexpr int kStartsOfAnalytic = 6;
+
+/// Minima are as good as the best where the data cannot tell them apart at 95 %.
+constexpr double kAsGood = 0.95;
+
 double at(const Range& range, double share) { return range.low + share * (range.high - range.low); }
 
-/// Fitted numbers of start `index`: the first is the given one, the others fill
-/// the bounds evenly (the additive recurrence of the root of x^(d + 1) = x + 1,
-/// Roberts 2018).
+/// Fitted numbers of start `index`: the first is the given one, the others fill the bounds.
 std::vector<double> start_of(const FitProblem& problem, const Model& model, int index) {
-    double root = 1.5;
-    for (int i = 0; i < 50; ++i)
-        root = std::pow(1.0 + root, 1.0 / (double(problem.unknowns.size()) + 1.0));
     std::vector<double> t;
     for (const Slot& slot : model.slots()) {
         const Unknown& unknown = problem.unknowns[slot.unknown];
-        const double step = std::pow(root, -double(slot.unknown + 1));
-        const double share = 0.5 + index * step - std::floor(0.5 + index * step);
         t.push_back(index == 0 ? fitted_of(unknown, unknown.start)
-                               : at(fitted_range(unknown), share));
+                               : spread_number(problem.unknowns, slot.unknown, index));
     }
     return t;
 }
@@ -95,7 +99,41 @@ class Searcher {
     bool cancelled() const {
         return cancelled_ || (control_.is_cancelled && control_.is_cancelled());
     }
+    /// Of scenes that could not be computed since forget_refusals(): how many, the last one's
+    /// numbers and why.
+    int refusals() const { return refusals_; }
+    const std::vector<double>& refused() const { return refused_; }
     const std::string& refusal() const { return refusal_; }
+    void forget_refusals() { refusals_ = 0; }
+
+    /// What the sum of squares would be after one step of the linear model within the bounds:
+    /// which of many points is worth a search. Infinite where no scene is.
+    double promise_of(std::span<const double> t) {
+        std::vector<double> residuals(squares_.residuals), jacobian(residuals.size() * t.size());
+        const int before = refusals_;
+        const bool is_good = evaluate(t, residuals, jacobian);
+        refusals_ = before;
+        if (!is_good) return std::numeric_limits<double>::infinity();
+        using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+        const auto rows = Eigen::Index(residuals.size()), columns = Eigen::Index(t.size());
+        const Eigen::Map<const RowMajor> J(jacobian.data(), rows, columns);
+        const Eigen::MatrixXd A = J.transpose() * J;
+        Eigen::VectorXd r = Eigen::Map<const Eigen::VectorXd>(residuals.data(), rows);
+        Eigen::VectorXd step = Eigen::VectorXd::Zero(columns), slope = J.transpose() * r;
+        constexpr int kSweeps = 100;  // of coordinate descent: screening needs no digits
+        for (int sweep = 0; sweep < kSweeps; ++sweep) {
+            for (Eigen::Index j = 0; j < columns; ++j) {
+                if (!(A(j, j) > 0.0)) continue;
+                const double to = std::clamp(step[j] - slope[j] / A(j, j),
+                                             squares_.low[std::size_t(j)] - t[std::size_t(j)],
+                                             squares_.high[std::size_t(j)] - t[std::size_t(j)]);
+                slope += (to - step[j]) * A.col(j);
+                step[j] = to;
+            }
+        }
+        r += J * step;
+        return r.squaredNorm();
+    }
 
   private:
     /// One sigma in units of the residuals: 1, or from the median where sigmas are not known.
@@ -116,19 +154,26 @@ class Searcher {
             cancelled_ = true;
             return false;
         } catch (const UsageError& error) {
-            refusal_ = error.what();
-            return false;
+            return refuse(t, error.what());
         }
         const std::size_t columns = t.size();
         for (std::size_t i = 0; i < residuals.size(); ++i) {
             residuals[i] = (residuals[i] - target_.values[i]) * target_.weights[i];
-            if (!std::isfinite(residuals[i])) return false;
+            bool is_finite = std::isfinite(residuals[i]);
             for (double& slope : jacobian.subspan(i * columns, columns)) {
                 slope *= target_.weights[i];
-                if (!std::isfinite(slope)) return false;
+                is_finite = is_finite && std::isfinite(slope);
             }
+            if (!is_finite) return refuse(t, "its values are no finite numbers");
         }
         return true;
+    }
+
+    bool refuse(std::span<const double> t, const std::string& why) {
+        ++refusals_;
+        refusal_ = why;
+        refused_ = numbers_of(problem_, model_, t);
+        return false;
     }
 
     const FitProblem& problem_;
@@ -137,7 +182,9 @@ class Searcher {
     const Control& control_;
     LeastSquares squares_;
     bool cancelled_ = false;
+    int refusals_ = 0;
     std::string refusal_;
+    std::vector<double> refused_;
 };
 
 /// How far values that differ by `difference` move the numbers of a minimum, or any combination of
@@ -196,6 +243,94 @@ double lattice_shift(const FitProblem& problem, Model& model, const Target& targ
     return shift_of(difference, known.derivatives, target, sigma);
 }
 
+/// "r = 1210, v = 0.2", of numbers that all wavelengths share and of the first wavelength.
+std::string in_words(const FitProblem& problem, const Model& model,
+                     const std::vector<double>& numbers) {
+    std::vector<std::string> words;
+    for (std::size_t s = 0; s < numbers.size(); ++s) {
+        if (model.slots()[s].wavelength == 0)
+            words.push_back(fmt::format(
+                "{} = {:.5g}", problem.unknowns[model.slots()[s].unknown].name, numbers[s]));
+    }
+    return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// One sigma of the weighted residuals, squared, as their sum says where it is larger than what
+/// the data say.
+double noise_of(const FitProblem& problem, const Minimum& best) {
+    const double freedom = std::max(double(best.residuals.size()) - double(best.x.size()), 1.0);
+    const double noise = best.sum_of_squares / freedom;
+    return has_sigmas(problem) ? std::max(noise, 1.0) : noise;
+}
+
+/// A number that the best point holds at a bound, or does not determine, has other places from
+/// where the others may find a better minimum (the asymmetry of a lobe whose share is 0): the most
+/// promising of them. Empty: there is none.
+std::vector<double> redrawn(const FitProblem& problem, const Model& model, const Minimum& best,
+                            Searcher& searcher) {
+    constexpr int kPlaces = 8;
+    constexpr double kUndetermined = 0.1;  // of a range that changes the residuals by less than 1
+    const double sigma = std::sqrt(noise_of(problem, best));
+    const std::size_t n = best.x.size();
+    std::vector<double> most_promising;
+    double least = best.sum_of_squares - 0.1 * sigma * sigma;
+    for (std::size_t s = 0; s < n; ++s) {
+        const Unknown& unknown = problem.unknowns[model.slots()[s].unknown];
+        if (unknown.per_wavelength && !is_separable(problem)) continue;
+        const Range range = fitted_range(unknown);
+        double squares = 0.0;
+        for (std::size_t i = s; i < best.jacobian.size(); i += n)
+            squares += best.jacobian[i] * best.jacobian[i];
+        const double width = range.high - range.low;
+        const bool is_at_bound =
+            std::min(best.x[s] - range.low, range.high - best.x[s]) <= 1e-6 * width;
+        if (!is_at_bound && std::sqrt(squares) * kUndetermined * width >= sigma) continue;
+        for (int place = 0; place < kPlaces && !searcher.cancelled(); ++place) {
+            std::vector<double> t = best.x;
+            t[s] = at(range, (place + 0.5) / kPlaces);
+            const double promise = searcher.promise_of(t);
+            if (!(promise < least)) continue;
+            least = promise;
+            most_promising = std::move(t);
+        }
+    }
+    return most_promising;
+}
+
+/// What minima that are as good as the best disagree about.
+void add_disagreements(const FitProblem& problem, const Model& model, const Minimum& best,
+                       Search& found) {
+    const double noise = noise_of(problem, best);
+    if (found.minima.size() < 2 || !(noise > 0.0)) return;
+    const double as_good = boost::math::quantile(
+        boost::math::chi_squared(double(found.minima.front().values.size())), kAsGood);
+    std::vector<const FitMinimum*> good;
+    for (const FitMinimum& minimum : found.minima) {
+        if (minimum.chi_squared - found.minima.front().chi_squared <= as_good * noise)
+            good.push_back(&minimum);
+    }
+    if (good.size() < 2) return;
+    std::vector<std::string> words;
+    for (std::size_t s = 0; s < model.slots().size(); ++s) {
+        const Unknown& unknown = problem.unknowns[model.slots()[s].unknown];
+        const auto [low, high] = std::minmax_element(
+            good.begin(), good.end(),
+            [&](const auto* a, const auto* b) { return a->values[s] < b->values[s]; });
+        const Range range = fitted_range(unknown);
+        const double apart = std::abs(fitted_of(unknown, (*high)->values[s]) -
+                                      fitted_of(unknown, (*low)->values[s]));
+        if (apart > kSameMinimum * (range.high - range.low))
+            words.push_back(fmt::format("{} ({:.4g} to {:.4g})", unknown.name, (*low)->values[s],
+                                        (*high)->values[s]));
+    }
+    constexpr std::size_t kMostWords = 8;
+    if (words.size() > kMostWords) words.resize(kMostWords);
+    found.notes.push_back(
+        fmt::format("{} minima are as good as the data can tell and disagree about {}; intervals "
+                    "are of the first alone",
+                    good.size(), fmt::join(words, ", ")));
+}
+
 }  // namespace
 
 Target target_of(const FitProblem& problem) {
@@ -221,6 +356,18 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
         model.choose_streams(numbers_of(problem, model, best.x));
     } catch (const Cancelled&) {
         found.interrupted = true;
+    } catch (const UsageError& error) {
+        const auto can_be = [&](const std::vector<double>& of_unknowns) {
+            std::vector<double> numbers, values(model.values());
+            for (const Slot& slot : model.slots()) numbers.push_back(of_unknowns[slot.unknown]);
+            try {
+                model.evaluate(numbers, values, {});
+                return true;
+            } catch (const UsageError&) {
+                return false;
+            }
+        };
+        throw UsageError(error.what() + start_that_works(problem.unknowns, can_be));
     }
     const auto keep = [&](const Minimum& minimum) {
         found.iterations += minimum.iterations;
@@ -235,19 +382,49 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
         }
         if (minimum.sum_of_squares < best.sum_of_squares) best = minimum;
     };
-    for (int start = 0; start < problem.starts && !found.interrupted; ++start) {
-        Minimum minimum = searcher.from(start_of(problem, model, start));
+    const int starts = problem.starts > 0    ? problem.starts
+                       : model.is_analytic() ? kStartsOfAnalytic
+                                             : 1;
+    // As good as can be: one value for each number, and met.
+    const auto is_exact = [&] {
+        return problem.starts == 0 && target.values.size() <= best.x.size() &&
+               best.sum_of_squares <= 1e-6;
+    };
+    int refusals = 0;
+    std::string refused;
+    const auto try_from = [&](std::vector<double> t) {
+        searcher.forget_refusals();
+        const Minimum minimum = searcher.from(std::move(t));
         // A start that no scene can have leads nowhere.
-        if (std::isfinite(minimum.sum_of_squares)) keep(minimum);
+        if (!std::isfinite(minimum.sum_of_squares)) return;
+        keep(minimum);
+        refusals += searcher.refusals();
+        if (searcher.refusals() > 0)
+            refused = fmt::format("{}: {}", in_words(problem, model, searcher.refused()),
+                                  searcher.refusal());
+    };
+    for (int start = 0; start < starts && !found.interrupted && !is_exact(); ++start) {
+        try_from(start_of(problem, model, start));
         found.interrupted = searcher.cancelled();
     }
+    for (std::size_t round = 0;
+         starts > 1 && round < best.x.size() && best.converged && !searcher.cancelled(); ++round) {
+        const std::vector<double> t = redrawn(problem, model, best, searcher);
+        if (t.empty()) break;
+        const double before = best.sum_of_squares;
+        try_from(t);
+        if (!(best.sum_of_squares < before)) break;
+    }
+    found.interrupted = found.interrupted || searcher.cancelled();
     const auto sort_minima = [&] {
         std::sort(found.minima.begin(), found.minima.end(),
                   [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
     };
     sort_minima();
     const auto go_on = [&] {
+        searcher.forget_refusals();
         const Minimum again = searcher.from(best.x);
+        found.is_at_edge = searcher.refusals() > 0;
         found.iterations += again.iterations;
         found.interrupted = searcher.cancelled();
         if (!again.converged) return false;
@@ -258,6 +435,11 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
     };
     bool is_current = true;  // what is known at the best point is of the model as it is now
     try {
+        // From a minimum that lies within what can be computed no step leads out of it.
+        if (refusals > 0 && !found.interrupted && std::isfinite(best.sum_of_squares)) {
+            go_on();
+            best.converged = best.converged && !found.is_at_edge;
+        }
         // Nodes that were enough at the start may be too few here.
         for (int round = 0; round < 2 && !found.interrupted && best.converged; ++round) {
             if (!model.choose_streams(numbers_of(problem, model, best.x))) break;
@@ -274,11 +456,14 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
         }
     } catch (const Cancelled&) {
         found.interrupted = true;
+    } catch (const UsageError& error) {
+        found.is_at_edge = true;
+        refused = error.what();
     }
     if (found.minima.empty())
         found.minima.push_back({best.sum_of_squares, 0, numbers_of(problem, model, best.x)});
     sort_minima();
-    found.converged = best.converged && !found.interrupted;
+    found.converged = best.converged && !found.interrupted && !found.is_at_edge;
     keep_known(best, target, found);
     if (!is_current && !found.interrupted) {
         try {
@@ -292,15 +477,24 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
     if (found.interrupted) {
         found.reason = best.residuals.empty() ? "interrupted before the first solution"
                                               : "interrupted: the best so far";
+    } else if (found.is_at_edge) {
+        found.reason = fmt::format(
+            "the search ends at {}, at the edge of what can be computed: better values may lie "
+            "beyond, so no interval is given. Give narrower bounds or other words. {}",
+            in_words(problem, model, found.minima.front().values), refused);
     } else if (!found.converged) {
         found.reason = fmt::format(
             "no minimum within {} iterations; give more "
             "(iterations in [fit]), another start, or "
             "narrower bounds",
             problem.most_iterations);
-        if (!searcher.refusal().empty())
-            found.reason += fmt::format("; some scenes cannot be: {}", searcher.refusal());
     }
+    if (refusals > 0 && !found.is_at_edge)
+        found.notes.push_back(
+            fmt::format("{} of the scenes that were tried cannot be computed, and are left out of "
+                        "the search; the last: {}",
+                        refusals, refused));
+    if (found.converged) add_disagreements(problem, model, best, found);
     return found;
 }
 

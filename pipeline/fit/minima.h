@@ -24,6 +24,9 @@ struct Search {
     bool converged = false;               ///< the best one
     bool interrupted = false;
     std::string reason = {};
+    /// The best point lies at the edge of what can be computed: nothing is certain about it.
+    bool is_at_edge = false;
+    std::vector<std::string> notes = {};  ///< about scenes that cannot be, and about other minima
     int iterations = 0;
     /// Of the model at the best minimum; where nothing was solved, values are NaN and derivatives
     /// empty.
@@ -33,7 +36,7 @@ struct Search {
 };
 
 /// @throws UsageError, InputError  where the scene of the start cannot be
-/// solved
+/// solved, with a start that can be
 Search search(const FitProblem& problem, Model& model, const Target& target,
               const Control& control);
 

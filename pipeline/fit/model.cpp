@@ -1,5 +1,7 @@
 #include "pipeline/fit/model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -27,7 +29,8 @@ struct Model::Task {
     const Job* job;
     std::vector<double> numbers;  ///< empty: those asked for
     std::size_t slot = 0;
-    double moved = 0.0;  ///< the fitted number
+    double moved = 0.0;       ///< the fitted number
+    bool has_failed = false;  ///< moved to where no scene can be
     SolvedJob solved = {};
 };
 
@@ -71,6 +74,24 @@ bool Model::has_closed_forms(const Job& job, std::span<const double> numbers,
     }
 }
 
+/// The scene of a job with one number moved towards the farther bound, as far as words allow.
+Scene Model::moved_scene(const Job& job, const std::string& name,
+                         std::span<const double> numbers) const {
+    std::vector<double> moved(numbers.begin(), numbers.end());
+    double& number = moved[slot(job, name)];
+    const double start = number;
+    const Unknown& unknown = problem_.unknowns[slots_[slot(job, name)].unknown];
+    const double farther = start < 0.5 * (unknown.low + unknown.high) ? unknown.high : unknown.low;
+    for (double share = 0.5;; share *= 0.1) {
+        number = start + share * (farther - start);
+        try {
+            return request(job, moved).scene;
+        } catch (const UsageError&) {
+            if (share < 1e-3) throw;
+        }
+    }
+}
+
 /// By differences: what has no closed forms, which are asked for once, and what changes spheres
 /// other than by a lattice of their sizes. Averages of Mie theory with the sizes of another one
 /// take ten times as long as two averages with sizes of their own.
@@ -90,15 +111,11 @@ void Model::prepare(std::span<const double> numbers) {
         sizes.add(scene);
         std::vector<std::string> closed;
         for (const std::string& name : job.names) {
-            std::vector<double> moved(numbers.begin(), numbers.end());
-            double& number = moved[slot(job, name)];
-            const Unknown& unknown = problem_.unknowns[slots_[slot(job, name)].unknown];
-            const double middle = 0.5 * (unknown.low + unknown.high);
-            number = 0.5 * (number + (number < middle ? unknown.high : unknown.low));
             try {
-                const Scene other = request(job, moved).scene;
+                const Scene other = moved_scene(job, name, numbers);
                 sizes.add(other);
                 const SphereChange spheres = sphere_change(scene, other);
+                is_analytic_ = is_analytic_ && spheres == SphereChange::none;
                 if (job.is_scattered() || spheres == SphereChange::other) {
                     by_differences_.insert(name);
                 } else if (spheres == SphereChange::sizes) {
@@ -108,6 +125,7 @@ void Model::prepare(std::span<const double> numbers) {
                 }
             } catch (const UsageError&) {
                 by_differences_.insert(name);
+                is_analytic_ = false;
             }
         }
         if (!closed.empty() && !has_closed_forms(job, numbers, closed)) {
@@ -153,14 +171,41 @@ std::vector<std::string> Model::closed_forms(const Job& job) const {
     return names;
 }
 
+/// Nodes of the lattice lie up to two widths beyond the size that is asked for.
+template <typename Solve>
+void Model::with_lattice_or_without(const Solve& solve) {
+    if (!lattice_is_used_) return solve();
+    try {
+        return solve();
+    } catch (const UsageError&) {
+        lattice_is_used_ = false;
+    }
+    try {
+        solve();
+    } catch (...) {
+        lattice_is_used_ = true;
+        throw;
+    }
+    lattice_is_used_ = true;
+}
+
 bool Model::choose_streams(std::span<const double> numbers) {
+    std::vector<SolvedJob> solved;
+    with_lattice_or_without([&] {
+        solved.clear();
+        for (Job job : jobs_) {
+            job.streams = 0;
+            job.takes_intensity_alone = false;
+            solved.push_back(solve_job(job, request(job, numbers), remembering(), {}));
+        }
+    });
     bool more = false;
-    for (Job& job : jobs_) {
-        const int before = std::exchange(job.streams, 0);
-        const bool took_intensity_alone = std::exchange(job.takes_intensity_alone, false);
-        const SolvedJob solved = solve_job(job, request(job, numbers), remembering(), {});
-        job.streams = std::max(before, solved.streams);
-        job.takes_intensity_alone = solved.components == 1;
+    for (std::size_t j = 0; j < jobs_.size(); ++j) {
+        Job& job = jobs_[j];
+        const int before = job.streams;
+        job.streams = std::max(before, solved[j].streams);
+        const bool took_intensity_alone =
+            std::exchange(job.takes_intensity_alone, solved[j].components == 1);
         more = more || job.streams > before || (took_intensity_alone && !job.takes_intensity_alone);
     }
     return more;
@@ -183,6 +228,11 @@ void Model::add_moved(const Job& job, const std::string& name, std::span<const d
 
 void Model::evaluate(std::span<const double> numbers, std::span<double> values,
                      std::span<double> derivatives) {
+    with_lattice_or_without([&] { evaluate_as_set(numbers, values, derivatives); });
+}
+
+void Model::evaluate_as_set(std::span<const double> numbers, std::span<double> values,
+                            std::span<double> derivatives) {
     const Control& control = remembering();
     const bool differentiate = !derivatives.empty();
     // The middle before what is moved from it: then most of the lattice is known.
@@ -195,7 +245,12 @@ void Model::evaluate(std::span<const double> numbers, std::span<double> values,
             const std::vector<std::string> names =
                 differentiate && is_middle ? closed_forms(*task.job) : std::vector<std::string>();
             const std::span<const double> at = is_middle ? numbers : task.numbers;
-            task.solved = solve_job(*task.job, request(*task.job, at, names), inner, names);
+            try {
+                task.solved = solve_job(*task.job, request(*task.job, at, names), inner, names);
+            } catch (const UsageError&) {
+                if (is_middle) throw;
+                task.has_failed = true;
+            }
         });
         solved_scenes_ += int(tasks.size());
     };
@@ -240,7 +295,19 @@ void Model::evaluate(std::span<const double> numbers, std::span<double> values,
     }
     solve_all(moved);
     for (std::size_t k = 0; k + 1 < moved.size(); k += 2) {
-        const Task &below = moved[k], &above = moved[k + 1];
+        Task &below = moved[k], &above = moved[k + 1];
+        if (below.has_failed && above.has_failed)
+            throw UsageError(fmt::format("{} cannot be computed on either side of {}",
+                                         problem_.unknowns[slots_[below.slot].unknown].name,
+                                         numbers[below.slot]));
+        for (Task* const task : {&below, &above}) {
+            if (!task->has_failed) continue;
+            const auto middle = std::find_if(middles.begin(), middles.end(),
+                                             [&](const Task& one) { return one.job == task->job; });
+            task->solved.values = middle->solved.values;
+            task->moved =
+                fitted_of(problem_.unknowns[slots_[task->slot].unknown], numbers[task->slot]);
+        }
         for (std::size_t i = 0; i < below.job->uses.size(); ++i) {
             const Job::Use& use = below.job->uses[i];
             const double scale = use.scale ? numbers[*use.scale] : 1.0;

@@ -37,6 +37,8 @@ class Model {
     /// sizes.
     void prepare(std::span<const double> numbers);
     bool uses_lattice() const { return lattice_is_used_; }
+    /// No unknown changes spheres: solutions take no Mie theory but that of the first.
+    bool is_analytic() const { return is_analytic_; }
     /// Values with averages of their own in place of the lattice's. @pre uses_lattice
     void evaluate_exactly(std::span<const double> numbers, std::span<double> values);
     /// Uses a finer lattice from now on; where this one is the finest, none.
@@ -46,7 +48,9 @@ class Model {
     /// on: then values are smooth in the numbers. @return whether more are needed than before
     bool choose_streams(std::span<const double> numbers);
 
-    /// Throws what solving throws: UsageError for numbers that no scene can have, Cancelled.
+    /// Throws what solving throws: UsageError for numbers that no scene can have, Cancelled. Where
+    /// the lattice reaches beyond what can be computed, averages are the scene's own; where a
+    /// difference does, it is taken to the other side alone.
     /// @param derivatives  by every slot in its fitted number (unknowns.h), row = value, column =
     ///        slot; empty: not wanted
     void evaluate(std::span<const double> numbers, std::span<double> values,
@@ -54,9 +58,15 @@ class Model {
 
   private:
     struct Task;
+    template <typename Solve>
+    void with_lattice_or_without(const Solve& solve);
+    void evaluate_as_set(std::span<const double> numbers, std::span<double> values,
+                         std::span<double> derivatives);
     const Control& remembering();
     Request request(const Job& job, std::span<const double> numbers,
                     const std::vector<std::string>& names = {}) const;
+    Scene moved_scene(const Job& job, const std::string& name,
+                      std::span<const double> numbers) const;
     std::size_t slot(const Job& job, const std::string& name) const;
     std::vector<std::string> closed_forms(const Job& job) const;
     bool has_closed_forms(const Job& job, std::span<const double> numbers,
@@ -74,7 +84,7 @@ class Model {
     std::set<std::string> by_differences_;  ///< unknowns without closed forms
     std::set<std::string> sizes_;           ///< unknowns that have them in a lattice alone
     std::shared_ptr<const SizeLattice> lattice_, finer_lattice_;
-    bool lattice_is_used_ = false;
+    bool lattice_is_used_ = false, is_analytic_ = true;
     int solved_scenes_ = 0;
 };
 

@@ -10,6 +10,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/fit/model.h"
+#include "pipeline/fit/start_advice.h"
 #include "pipeline/fit/unknowns.h"
 
 namespace miebrdf::fitting {
@@ -159,8 +160,8 @@ void check_problem(const FitProblem& problem) {
 }  // namespace
 
 void check_search(const FitProblem& problem) {
-    if (problem.starts < 1 || problem.starts > 1000)
-        throw UsageError("starts", double(problem.starts), "1 to 1000");
+    if (problem.starts < 0 || problem.starts > 1000)
+        throw UsageError("starts", double(problem.starts), "1 to 1000, or 0: as the scene needs");
     if (problem.most_iterations < 1 || problem.most_iterations > 10000)
         throw UsageError("iterations", double(problem.most_iterations), "1 to 10000");
     if (!(problem.loss_width > 0.0)) throw UsageError("loss width", problem.loss_width, "> 0");
@@ -184,15 +185,33 @@ void check_data(const FitData& data) {
 }
 
 void check_scene(const FitProblem& problem, const FitData& data) {
-    const auto start_of = [&](const std::string& name) {
-        for (const Unknown& unknown : problem.unknowns) {
-            if (unknown.name == name) return fmt::format("{}", unknown.start);
-        }
-        throw UsageError(fmt::format("there is no unknown '{}'", name));
+    const auto words = words_of(problem, data);
+    const auto check = [&](const std::vector<double>& numbers) {
+        const auto text_of = [&](const std::string& name) {
+            for (std::size_t u = 0; u < problem.unknowns.size(); ++u) {
+                if (problem.unknowns[u].name == name) return fmt::format("{}", numbers[u]);
+            }
+            throw UsageError(fmt::format("there is no unknown '{}'", name));
+        };
+        Request request;
+        for (const TemplateWord& word : words) apply(word, text_of, request);
+        validate(request.scene);
     };
-    Request request;
-    for (const TemplateWord& word : words_of(problem, data)) apply(word, start_of, request);
-    validate(request.scene);
+    std::vector<double> starts;
+    for (const Unknown& unknown : problem.unknowns) starts.push_back(unknown.start);
+    try {
+        check(starts);
+    } catch (const UsageError& error) {
+        const auto can_be = [&](const std::vector<double>& numbers) {
+            try {
+                check(numbers);
+                return true;
+            } catch (const UsageError&) {
+                return false;
+            }
+        };
+        throw UsageError(error.what() + start_that_works(problem.unknowns, can_be));
+    }
 }
 
 std::set<std::string> names_in(const std::vector<TemplateWord>& words) {

@@ -431,6 +431,109 @@ TEST_CASE("several starts list their minima", "[fit]") {
     CHECK(result.minima[0].starts == 4);
 }
 
+namespace {
+
+/// A made BRDF of two lobes, of which one has a share of .01 as in sintered PTFE: six angles of
+/// incidence, noise of 1.5 %.
+FitProblem two_lobes(const std::string& start_g1, const std::string& start_g2,
+                     const std::string& start_share) {
+    Scene scene = support::scene_of("dhg:0.9999,0.15,-0.8,0.99");
+    const std::vector<double> out = {0.15, 0.3, 0.5, 0.7, 0.85, 0.95, 1.0},
+                              in = {0.26, 0.5, 0.71, 0.87, 0.97, 1.0},
+                              azimuth = {0, 45, 90, 135, 180};
+    const BrdfValues truth = solve(scene, {532}, {.tolerance = 1e-4}).evaluate({in, out, azimuth});
+    std::mt19937 engine(3);
+    std::normal_distribution<double> noise(0.0, 0.015);
+    FitData data{.name = "brdf"};
+    for (std::size_t i = 0; i < in.size(); ++i) {
+        for (std::size_t o = 0; o < out.size(); ++o) {
+            for (std::size_t a = 0; a < azimuth.size(); ++a) {
+                const double value = truth.at(0, i, o, a);
+                data.values.push_back({.quantity = MeasuredQuantity::brdf,
+                                       .wavelength_nm = 532,
+                                       .mu_in = in[i],
+                                       .mu_out = out[o],
+                                       .azimuth_deg = azimuth[a],
+                                       .value = value * (1.0 + noise(engine)),
+                                       .sigma = 0.015 * value});
+            }
+        }
+    }
+    return {.scene = {{"base", {"dhg:{w},{g1},{g2},{share}"}}},
+            .unknowns = {unknown("w", "0.999 in 0.5:0.9999999 log1m"),
+                         unknown("g1", start_g1 + " in 0:0.95"),
+                         unknown("g2", start_g2 + " in -0.9:0.5"),
+                         unknown("share", start_share + " in 0:1")},
+            .data = {data}};
+}
+
+}  // namespace
+
+TEST_CASE("a fit finds its minimum from starts that lead to side minima", "[fit]") {
+    require_fit();
+    // A lobe whose share goes to 0, or to 1, leaves the asymmetry of the other one where it is.
+    double least = 1e300;
+    std::vector<double> ends;
+    for (const auto& start : std::vector<std::vector<std::string>>{{"0.15", "-0.8", "0.99"},
+                                                                   {"0.6", "-0.2", "0.8"},
+                                                                   {"0.1", "0.4", "0.9"},
+                                                                   {"0.9", "0.1", "0.1"}}) {
+        const FitResult found = fit(two_lobes(start[0], start[1], start[2]));
+        CAPTURE(start, found.chi_squared);
+        CHECK(found.converged);
+        ends.push_back(found.chi_squared);
+        least = std::min(least, found.chi_squared);
+    }
+    // The first start is the truth; one sigma is a chi squared of 1.
+    CHECK(ends[0] <= least + 0.1);
+    for (const double end : ends) CHECK(end <= least + 0.1);
+}
+
+TEST_CASE("minima that are equally good are said with what they disagree about", "[fit]") {
+    require_fit();
+    // Both lobes may have either name.
+    FitProblem problem = two_lobes("0.15", "-0.8", "0.99");
+    problem.unknowns[1].low = -0.95;
+    problem.unknowns[2].low = -0.95;
+    problem.unknowns[2].high = 0.95;
+    problem.starts = 12;
+    const FitResult found = fit(problem);
+    REQUIRE(found.minima.size() >= 2);
+    CHECK(has_line(found.notes, "disagree about"));
+    CHECK(has_line(found.notes, "g1 ("));
+}
+
+TEST_CASE("a fit whose best scene cannot be computed says so and gives no interval", "[fit]") {
+    require_fit();
+    // Spheroids end at a size parameter of 50, at 550 nm a radius of 4.4 um times the ratio of
+    // axes; the data are those of larger spheres.
+    const std::vector<double> nm = {1500, 2000};
+    const AlbedoValues truth =
+        solve(support::scene_of("index:1.5,0.01,radius=40,variance=0.1"), nm, {.tolerance = 1e-4})
+            .albedo({0.7});
+    FitData data{.name = "large"};
+    for (std::size_t w = 0; w < nm.size(); ++w)
+        data.values.push_back({.wavelength_nm = nm[w],
+                               .mu_in = 0.7,
+                               .value = truth.plane_albedo[w][0],
+                               .sigma = 1e-3});
+    const auto problem_from = [&](const std::string& start) {
+        return FitProblem{
+            .scene = {{"base",
+                       {"index:1.5,0.01,radius={r},distribution=mono,shape=spheroid,aspect=1.2"}}},
+            .unknowns = {unknown("r", start + " in 0.1:60 log")},
+            .data = {data}};
+    };
+    const FitResult found = fit(problem_from("1"));
+    CAPTURE(found.reason, value_of(found, "r").value, value_of(found, "r").note);
+    CHECK_FALSE(found.converged);
+    CHECK_THAT(found.reason, Contains("edge of what can be computed"));
+    CHECK(std::isnan(value_of(found, "r").standard_error));
+    CHECK_THAT(value_of(found, "r").note, Contains("no interval"));
+    // A start beyond is refused with one that would work.
+    CHECK_THROWS_WITH(fit(problem_from("50")), Contains("the fit cannot start from r = 50, but"));
+}
+
 TEST_CASE("robust losses hold where a value is wrong", "[fit]") {
     require_fit();
     FitData data = albedos_of(support::scene_of("hg:0.9,0"), kCosines, 0.0);

@@ -243,8 +243,10 @@ void add_fit(CLI::App& command, Shell& shell) {
                     "also draw measured points, fitted curve and residuals (.svg, .png)")
         ->type_name("FILE");
     command
-        .add_option("--starts", arguments->starts,
-                    "search from N starts within the bounds; 0: as the file says, else 1")
+        .add_option(
+            "--starts", arguments->starts,
+            "search from N starts within the bounds; 0: as the file says, else 6 of analytic "
+            "media, 1 where spheres change")
         ->type_name("N")
         ->check(CLI::Range(0, 1000));
     arguments->scene.add_to(command, shell, words_of_fits(), "");

@@ -214,7 +214,8 @@ def fit(
     folder : path, optional
         Where the files of a dict are; of a fit file it is its own folder.
     starts : int
-        Search from this many starts within the bounds; 0: as the problem says, else 1.
+        Search from this many starts within the bounds; 0: as the problem says, else 6
+        where no unknown changes spheres, and 1 where one does.
     threads, progress
         As of every long call (`set_options`).
 

@@ -65,8 +65,9 @@ struct FitProblem {
     std::vector<SceneText> scene = {};  ///< words of a scene file; values may hold {name}
     std::vector<Unknown> unknowns = {};
     std::vector<FitData> data = {};
-    int starts = 1;  ///< the given start, then points that fill the bounds evenly,
-                     ///< 1 to 1000
+    /// The given start, then points that fill the bounds evenly, 1 to 1000; 0: six where no unknown
+    /// changes spheres, else one.
+    int starts = 0;
     FitLoss loss = FitLoss::squares;
     double loss_width = 2.0;   ///< sigmas from where a robust loss differs from squares, > 0
     int most_iterations = 50;  ///< from each start, 1 to 10000
@@ -143,7 +144,8 @@ bool has_fit();
 /// own. The discretisation of each scene is chosen at the start and checked at
 /// the minimum, so that the sum of squares is smooth in between.
 ///
-/// Not converging, and being stopped, are outcomes: read `converged`.
+/// Not converging, being stopped, and ending at the edge of what can be computed (then there are no
+/// intervals) are outcomes: read `converged`.
 /// @throws UsageError  for a problem that cannot be solved as it stands (an
 /// unknown that no word
 ///         uses, fewer values than unknowns, a start outside its bounds), with
