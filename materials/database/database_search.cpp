@@ -2,33 +2,65 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <map>
 #include <set>
 
 #include "materials/database/layer.h"
 #include "materials/database/names.h"
+#include "materials/index/words.h"
 
 namespace miebrdf::materials {
 namespace {
 
-// Every word as a quoted prefix: "tio" finds TiO2, and no character has a special meaning.
-std::string full_text_query(const std::string& text) {
-    std::string query;
-    std::string word;
-    const auto flush = [&] {
-        if (!word.empty()) query += (query.empty() ? "\"" : " AND \"") + word + "\"*";
-        word.clear();
-    };
+std::vector<std::string> words_of(const std::string& text) {
+    std::vector<std::string> words;
+    bool is_inside = false;
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
         const bool letter = byte >= 0x80 || std::isalnum(byte) != 0;
-        if (letter) {
-            word += c;
-        } else {
-            flush();
+        if (letter && !is_inside) words.emplace_back();
+        if (letter) words.back() += c;
+        is_inside = letter;
+    }
+    return words;
+}
+
+// Every word as a quoted prefix: "tio" finds TiO2, and no character has a special meaning.
+std::string full_text_query(const std::vector<std::string>& words) {
+    return words.empty() ? "" : fmt::format("\"{}\"*", fmt::join(words, "\"* AND \""));
+}
+
+/// What compounds of two elements are called by the second one, in both spellings.
+std::string name_by_formula(const std::string& formula) {
+    static const std::map<std::string, std::string> names = {
+        {"O", "oxide"},       {"N", "nitride"},    {"C", "carbide"},   {"S", "sulfide sulphide"},
+        {"F", "fluoride"},    {"Cl", "chloride"},  {"Br", "bromide"},  {"I", "iodide"},
+        {"Se", "selenide"},   {"Te", "telluride"}, {"P", "phosphide"}, {"As", "arsenide"},
+        {"Sb", "antimonide"}, {"Si", "silicide"},  {"B", "boride"}};
+    std::vector<std::string> elements;
+    for (const char c : formula) {
+        if (std::isupper(static_cast<unsigned char>(c)) != 0) {
+            elements.emplace_back(1, c);
+        } else if (std::islower(static_cast<unsigned char>(c)) != 0 && !elements.empty()) {
+            elements.back() += c;
+        } else if (std::isdigit(static_cast<unsigned char>(c)) == 0 && c != '.') {
+            return "";
         }
     }
-    flush();
-    return query;
+    if (elements.size() != 2) return "";
+    const auto found = names.find(elements.back());
+    return found == names.end() ? "" : found->second;
+}
+
+/// Whether a word of three letters or more is a part of a name: shorter ones are part of most.
+bool contains(const MaterialInfo& material, const std::string& word) {
+    constexpr std::size_t kShortest = 3;
+    if (word.size() < kShortest) return false;
+    const std::string text = lower_case(
+        fmt::format("{}\n{}\n{}\n{}\n{}", material.name, material.title, material.formula,
+                    fmt::join(material.aliases, "\n"), name_by_formula(material.formula)));
+    return text.find(lower_case(word)) != std::string::npos;
 }
 
 }  // namespace
@@ -64,14 +96,29 @@ std::vector<MaterialInfo> Database::search(const SearchFilter& filter) const {
     const auto add = [&](const std::string& name) {
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     };
-    const std::string query = full_text_query(filter.text);
+    const std::vector<std::string> words = words_of(filter.text);
+    const auto indexed = [&](const std::vector<std::string>& of) {
+        std::vector<std::string> all;
+        for (const auto& layer : layers_) {
+            for (std::string& name : layer->full_text(full_text_query(of)))
+                all.push_back(std::move(name));
+        }
+        return all;
+    };
     if (filter.text.find_first_not_of(" \t") == std::string::npos) {
         for (const MaterialInfo& material : list()) add(material.name);
-    } else if (!query.empty()) {
+    } else if (!words.empty()) {
         for (const std::string& exact : resolve(filter.text)) add(exact);
-        for (const auto& layer : layers_) {
-            for (const std::string& name : layer->full_text(query)) add(name);
+        for (const std::string& name : indexed(words)) add(name);
+        std::vector<MaterialInfo> rest = list();
+        for (const std::string& word : words) {
+            const std::vector<std::string> begin = indexed({word});
+            std::erase_if(rest, [&](const MaterialInfo& material) {
+                return std::find(begin.begin(), begin.end(), material.name) == begin.end() &&
+                       !contains(material, word);
+            });
         }
+        for (const MaterialInfo& material : rest) add(material.name);
     }
     const bool filtered = filter.needs_k || filter.covers_from_nm || filter.covers_to_nm;
     std::vector<MaterialInfo> found;
@@ -86,7 +133,7 @@ std::vector<MaterialInfo> Database::search(const SearchFilter& filter) const {
 std::vector<std::string> Database::not_indexed(const Layer& layer) {
     std::vector<std::string> missed;
     for (const LayerMaterial& material : layer.materials()) {
-        const std::string query = full_text_query(material.name);
+        const std::string query = full_text_query(words_of(material.name));
         if (!query.empty() && !layer.indexed(material.id, query)) missed.push_back(material.name);
     }
     return missed;

@@ -240,8 +240,13 @@ NumberTable::NumberTable(const std::string& path) : path_(path) {
 void NumberTable::require_names(std::initializer_list<std::string_view> needed,
                                 std::initializer_list<std::string_view> allowed) const {
     for (const std::string_view name : needed) column(name);
+    // find("wavelength_nm") takes it from this column where no other has that name.
+    const bool converts = !wavelength_nm_.empty() && find("wavelength_nm") == &wavelength_nm_;
     for (const std::string& name : names_) {
-        const auto is = [&](std::string_view known) { return lower_case(name) == known; };
+        const std::string_view meant = converts && &name == &names_[wavelength_column_]
+                                           ? std::string_view("wavelength_nm")
+                                           : std::string_view(name);
+        const auto is = [&](std::string_view known) { return lower_case(meant) == known; };
         const bool known = std::any_of(needed.begin(), needed.end(), is) ||
                            std::any_of(allowed.begin(), allowed.end(), is);
         const auto same = [&](const std::string& other) { return other == name; };

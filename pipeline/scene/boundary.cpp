@@ -58,11 +58,10 @@ rte::Boundary boundary(const std::string& text) {
             text));
     }
     rte::Boundary boundary{.roughness = parse_number(parts[0], "boundary roughness")};
-    if (boundary.roughness == 0.0) throw UsageError("boundary", 0.0, "rough:0.02 to 1, or smooth");
     rte::validate(boundary);
-    if (parts.size() == 1) return boundary;
-    boundary.distribution = slopes_named(parts[1], "boundary '" + text + "'");
-    return boundary;
+    if (parts.size() == 2)
+        boundary.distribution = slopes_named(parts[1], "boundary '" + text + "'");
+    return boundary.is_rough() ? boundary : rte::Boundary{};
 }
 
 std::string describe(const rte::Boundary& boundary) {

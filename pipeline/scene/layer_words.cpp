@@ -126,7 +126,8 @@ std::vector<SceneWord> surface_words() {
         {.name = "boundary",
          .placeholder = "NAME",
          .help = "refracting boundary between air and the host of the top layer (paint, varnish, "
-                 "ice): smooth, or rough:ALPHA[,beckmann or ggx], ALPHA 0.02 to 1",
+                 "ice): smooth, or rough:ALPHA[,beckmann or ggx], ALPHA 0.02 to 1 "
+                 "or 0: smooth",
          .group = group,
          .field = "boundary",
          .set = set_boundary},

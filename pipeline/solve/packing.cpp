@@ -7,10 +7,12 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/LU>
 
 #include <miebrdf/error.h>
+#include <miebrdf/sizes.h>
 #include <miebrdf/sphere.h>
 #include "pipeline/cache/job_key.h"
 #include "rte/first_order/first_order.h"
@@ -170,6 +172,25 @@ Structure structure_of(const ResolvedSpecies& species, std::size_t w) {
     return structure;
 }
 
+/// Sizes in equal steps of ln r with their shares of the cross-section, enough for two digits of a
+/// mean over them.
+std::vector<std::pair<double, double>> some_sizes(const ResolvedSpecies& species, std::size_t w) {
+    constexpr double kTail = 1e-3;
+    constexpr int kSizes = 16;
+    const mie::SizeDistribution& law = species.sizes;
+    const auto [smallest, largest] =
+        mie::radius_range(law, kTail, 1.0 / wave_number_per_um(species.particles[w]));
+    if (!(smallest < largest)) return {{species.effective_radius_um, 1.0}};
+    std::vector<std::pair<double, double>> sizes;
+    const double step = std::pow(largest / smallest, 1.0 / kSizes);
+    for (int i = 0; i < kSizes; ++i) {
+        const double from = smallest * std::pow(step, i);
+        sizes.emplace_back(from * std::sqrt(step),
+                           mie::area_share_within(law, {from, from * step}));
+    }
+    return sizes;
+}
+
 }  // namespace
 
 double percus_yevick(double volume_fraction, double qd) {
@@ -259,25 +280,41 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
     return whole;
 }
 
-std::optional<double> crowding(const ResolvedSpecies& species, std::size_t w) {
-    const double kd = kd_of(species, w);
+std::optional<double> crowding(const ResolvedMedium& medium, std::size_t w) {
+    const auto there = std::find_if(medium.species.begin(), medium.species.end(),
+                                    [](const auto& one) { return one.volume_fraction > 0.0; });
+    if (there == medium.species.end()) return std::nullopt;
+    const ResolvedSpecies& any = *there;
+    double largest = 0.0;
+    for (const CrowdMember& member : any.crowd)
+        largest = std::max(largest,
+                           2.0 * wave_number_per_um(member.particles[w]) * member.outer_radius_um);
     constexpr double kLargest = 60.0;
-    if (0.5 * kd > kLargest) return std::nullopt;
-    const Structure structure = structure_of(species, w);
-    const double largest = largest_kd(structure);
     if (0.5 * largest > kLargest) return std::nullopt;
-    const math::Quadrature angles = angles_for(largest, static_cast<int>(4.0 * kd) + 20);
-    std::vector<double> degrees;
-    for (const double theta : angles.nodes) degrees.push_back(theta * 180.0 / kPi);
-    const auto amplitudes = mie::scattering_amplitudes(
-        layers_of(species.particles[w], species.effective_radius_um), degrees);
+    const Structure structure = structure_of(any, w);
+    const math::Quadrature angles = angles_for(largest, static_cast<int>(2.0 * largest) + 20);
+    std::vector<double> degrees, factor;
+    for (const double theta : angles.nodes) {
+        degrees.push_back(theta * 180.0 / kPi);
+        factor.push_back(structure(std::cos(theta)));
+    }
     double alone = 0.0, together = 0.0;  // of the scattering, weighted by 1 - cos
-    for (std::size_t i = 0; i < degrees.size(); ++i) {
-        const double mu = std::cos(angles.nodes[i]), away = 1.0 - mu;
-        const double intensity = std::norm(amplitudes.s1[i]) + std::norm(amplitudes.s2[i]);
-        const double part = angles.weights[i] * away * intensity;
-        alone += part;
-        together += part * structure(mu);
+    for (const ResolvedSpecies& species : medium.species) {
+        if (species.volume_fraction == 0.0) continue;
+        const double area_per_um =
+            species.volume_fraction / (species.effective_radius_um * species.volume_per_core);
+        for (const auto& [radius_um, share] : some_sizes(species, w)) {
+            const auto amplitudes =
+                mie::scattering_amplitudes(layers_of(species.particles[w], radius_um), degrees);
+            const double number = area_per_um * share / (radius_um * radius_um);
+            for (std::size_t i = 0; i < degrees.size(); ++i) {
+                const double intensity = std::norm(amplitudes.s1[i]) + std::norm(amplitudes.s2[i]);
+                const double part =
+                    number * angles.weights[i] * (1.0 - std::cos(angles.nodes[i])) * intensity;
+                alone += part;
+                together += part * factor[i];
+            }
+        }
     }
     return together / alone;
 }

@@ -56,8 +56,8 @@ std::string crowd_key(const ResolvedSpecies& species, std::size_t w);
 MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,
                      const std::vector<double>& angles_deg);
 
-/// mu_s' of spheres of the effective radius, crowded over alone; empty for large spheres, whose
-/// forward diffraction alone changes.
-std::optional<double> crowding(const ResolvedSpecies& species, std::size_t w);
+/// mu_s' of a medium of spheres, crowded as crowded() does over alone, to about two digits; empty
+/// for large spheres, whose forward diffraction alone changes.
+std::optional<double> crowding(const ResolvedMedium& medium, std::size_t w);
 
 }  // namespace miebrdf

@@ -93,6 +93,21 @@ bool refracts(const ResolvedScene& scene) {
     return false;
 }
 
+/// A host like air (1.0003) sends back less than 2 (n - 1) = 2e-3 of diffuse light, and facets
+/// change a part of that: below it the boundary is smooth, since rough ones want 1.05.
+void smooth_out_air(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
+    constexpr double kLikeAir = 1e-3;
+    if (!resolved.boundary->is_rough()) return;
+    for (std::size_t w = 0; w < resolved.wavelength_nm.size(); ++w) {
+        const double step = resolved.top_index(w) - 1.0;
+        if (!(step >= rte::kLeastIndexStep && step <= kLikeAir)) return;
+    }
+    resolved.boundary = rte::Boundary{.matrices = resolved.boundary->matrices};
+    resolver.add_note(
+        fmt::format("the boundary {} is taken as smooth: its host {} has nearly the index of air",
+                    describe(*scene.boundary), describe(top_host(scene))));
+}
+
 void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
     resolved.boundary = scene.boundary;
     note_missing_boundary(scene, resolver);
@@ -115,6 +130,7 @@ void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& res
                 describe(resolved.media[m].medium), index, resolved.wavelength_nm[w]));
         }
     }
+    smooth_out_air(scene, resolver, resolved);
     if (!refracts(resolved)) {
         resolver.add_note(
             "the boundary changes nothing: what lies between the particles has the index of air; "

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "pipeline/cache/job_key.h"
@@ -403,10 +404,6 @@ void Resolver::set_packing(ResolvedMedium& medium) {
             "layer_density_kg_m3) or number=",
             describe(medium.medium)));
     }
-    const ResolvedSpecies& fills_most = *std::max_element(
-        medium.species.begin(), medium.species.end(), [](const auto& one, const auto& other) {
-            return one.volume_fraction < other.volume_fraction;
-        });
     for (ResolvedSpecies& species : medium.species) {
         species.crowded = asked;
         if (asked && species.species.shape.kind != GrainShape::Kind::sphere) {
@@ -417,19 +414,33 @@ void Resolver::set_packing(ResolvedMedium& medium) {
         if (!asked && (!medium.has_amounts || filled_volume(medium) <= kCrowded)) continue;
         species.crowd = crowd_of(medium);
         if (species.crowd.empty()) species.crowded = false;
-        if (asked || &species != &fills_most) continue;
-        if (const auto change = crowding(species, 0)) note_crowding(species, *change);
     }
+    if (!asked && medium.has_amounts && filled_volume(medium) > kCrowded) note_crowding(medium);
 }
 
-void Resolver::note_crowding(const ResolvedSpecies& species, double change) {
-    add_once(notes_,
-             fmt::format("{} fills {:.3g} % of the volume{}: independent scattering is assumed; "
-                         "hard spheres would have {:.3g} times the reduced scattering at {} nm "
-                         "(packing percus-yevick)",
-                         describe(species.species), 100.0 * species.volume_fraction,
-                         species.crowd.size() > 1 ? " among other spheres" : "", change,
-                         species.particles.front().wavelength_nm));
+void Resolver::note_crowding(const ResolvedMedium& medium) {
+    constexpr std::size_t kMostWavelengths = 9;  // the change is smooth; each takes up to 5 ms
+    const std::vector<double>& nm = medium.species.front().wavelength_nm;
+    std::vector<std::size_t> by_wavelength(nm.size());
+    std::iota(by_wavelength.begin(), by_wavelength.end(), 0);
+    std::sort(by_wavelength.begin(), by_wavelength.end(),
+              [&](std::size_t a, std::size_t b) { return nm[a] < nm[b]; });
+    const std::size_t count = std::min(nm.size(), kMostWavelengths);
+    std::vector<std::pair<double, double>> changes;  // with their wavelengths
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t w = by_wavelength[count > 1 ? i * (nm.size() - 1) / (count - 1) : 0];
+        if (const auto change = crowding(medium, w)) changes.emplace_back(*change, nm[w]);
+    }
+    if (changes.empty()) return;
+    const auto [least, most] = std::minmax_element(changes.begin(), changes.end());
+    const std::string range =
+        least == most ? fmt::format("{:.2g} times the reduced scattering at {} nm", least->first,
+                                    least->second)
+                      : fmt::format("{:.2g} ({} nm) to {:.2g} ({} nm) times the reduced scattering",
+                                    least->first, least->second, most->first, most->second);
+    add_once(notes_, fmt::format("{} fills {:.3g} % of the volume: independent scattering is "
+                                 "assumed; hard spheres would have {} (packing percus-yevick)",
+                                 describe(medium.medium), 100.0 * filled_volume(medium), range));
 }
 
 void Resolver::require_particles(const Layer& layer) {

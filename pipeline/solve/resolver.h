@@ -63,7 +63,7 @@ class Resolver {
                         double optical_depth, const ResolvedMedium& medium);
     void note_strong_host(const HostAt& host, double k, double nm, const ResolvedMedium& medium);
     void set_packing(ResolvedMedium& medium);
-    void note_crowding(const ResolvedSpecies& species, double change);
+    void note_crowding(const ResolvedMedium& medium);
     static void require_particles(const Layer& layer);
     /// Refuses optical depths of a host alone that absorbs nothing.
     static void require_depth(const ResolvedMedium& medium);

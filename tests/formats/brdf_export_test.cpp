@@ -167,6 +167,20 @@ TEST_CASE("values that are no numbers are refused with their direction, and no f
     }
 }
 
+TEST_CASE("a negative BRDF of one's own is refused with its direction, and no file appears",
+          "[formats][brdf_export]") {
+    const support::TemporaryFolder folder;
+    for (const Format& format : all_formats()) {
+        if (format.files.empty()) continue;
+        CAPTURE(format.name);
+        CHECK_THROWS_WITH(
+            export_brdf(Broken(-100.0), format.name, folder / "broken", {.accept_error = true}),
+            Catch::Contains("the BRDF is -") && Catch::Contains("mu_in 0.") &&
+                Catch::Contains("0 and above"));
+        CHECK(fs::is_empty(folder / ""));
+    }
+}
+
 TEST_CASE("what is refused is written where its error is accepted", "[formats][brdf_export]") {
     const support::SharpMaterial sharp(support::seven_wavelengths(), 0.12);
     const support::TemporaryFolder folder;

@@ -190,6 +190,31 @@ TEST_CASE("search finds words of name, alias, title and provenance", "[materials
               .size() == 1);
 }
 
+TEST_CASE("search finds parts of words and names by formula after whole words",
+          "[materials][search]") {
+    const Database database = Database::embedded();
+    const auto place = [&](const std::string& text, const std::string& name) {
+        const auto found = database.search(text);
+        const auto at =
+            std::find_if(found.begin(), found.end(), [&](const auto& m) { return m.name == name; });
+        return at == found.end() ? 1000 : static_cast<int>(at - found.begin());
+    };
+    for (const char* oxide : {"SiO2", "ZrO2", "HfO2", "SiO", "Fe3O4", "TiO2_rutile_o"}) {
+        CAPTURE(oxide);
+        CHECK(place("oxide", oxide) < 1000);
+        CHECK(place("oxide", "ZnO") < place("oxide", oxide));  // "Zinc oxide": the whole word
+    }
+    CHECK(place("oxide", "CaCO3") == 1000);
+    CHECK(place("oxide", "PMMA") == 1000);  // C5H8O2
+    CHECK(place("oxide", "kaolinite") == 1000);
+    CHECK(place("nitride", "SiON_40") > place("nitride", "Si3N4"));
+    CHECK(place("fluoride", "ThF4") < 1000);
+    CHECK(place("sulphide", "ZnS") < 1000);
+    CHECK(place("carbide", "SiC") == 0);
+    CHECK(place("silicon oxide", "SiO2") < 1000);  // a whole word and a part
+    CHECK(place("io", "SiO2") == 1000);            // two letters are part of most names
+}
+
 TEST_CASE("one database serves several threads", "[materials][threads]") {
     const Database database = Database::embedded();
     const double expected = database.refractive_index("GaP").at(550).real();

@@ -45,13 +45,26 @@ TEST_CASE("boundaries and mirrors are read and described", "[pipeline][boundary]
     for (const std::string words : {"smooth", "rough:0.2,ggx", "rough:0.05,beckmann"})
         CHECK(describe(boundary(words)) == words);
     for (const std::string bad :
-         {"", "matt", "rough", "rough:", "rough:0", "rough:0.001", "rough:1.5", "rough:-1",
+         {"", "matt", "rough", "rough:", "rough:0,phong", "rough:0.001", "rough:1.5", "rough:-1",
           "rough:nan", "rough:0.1,phong", "rough:0.1,ggx,1"})
         CHECK_THROWS_AS(boundary(bad), UsageError);
     CHECK(describe(substrate("mirror:Al")) == "mirror:Al");
     CHECK(describe(substrate("mirror:index:0.96,6.69")) == "mirror:index:0.96,6.69");
     for (const std::string bad : {"mirror:", "mirror", "mirror:index:0,1", "mirror:index:1,-1"})
         CHECK_THROWS_AS(substrate(bad), UsageError);
+}
+
+TEST_CASE("a roughness of 0 is smooth, and below a rough boundary there may be air",
+          "[pipeline][boundary]") {
+    CHECK(boundary("rough:0") == rte::Boundary{});
+    CHECK(boundary("rough:0,ggx") == rte::Boundary{});
+    Scene scene = scene_of("index:1.6,0.001,radius=0.3 in air");
+    const double open = solve(scene, {550}, {.tolerance = 1e-4}).albedo({0.5}).at(0, 0);
+    scene.boundary = boundary("rough:0.3");
+    const Brdf brdf = solve(scene, {550}, {.tolerance = 1e-4});
+    CHECK(has_note(brdf.albedo({0.5}), "taken as smooth"));
+    // 2 (n - 1) = 5.6e-4 of the diffuse light comes back inside.
+    CHECK(std::abs(brdf.albedo({0.5}).at(0, 0) / open - 1.0) <= 1e-3);
 }
 
 TEST_CASE("a scene has a boundary or the paper's lobe", "[pipeline][boundary]") {

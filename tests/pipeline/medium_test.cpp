@@ -417,6 +417,34 @@ TEST_CASE("moments and asymmetries over wavelengths are those of each, linear be
     CHECK(values_of("hg:" + single, {500}) == values_of("hg:0.8,0.7", {500}));
 }
 
+TEST_CASE("files of moments, matrices and asymmetries take wavelengths in other units",
+          "[pipeline][moments_file]") {
+    const support::TemporaryFolder folder;
+    struct Case {
+        std::string kind, columns, at_400, at_500;
+    };
+    const Case c =
+        GENERATE(Case{"moments:", "single_scattering_albedo,l,chi", "0.5,0,1\n", "0.9,0,1\n"},
+                 Case{"hg:", "albedo,g", "0.5,0.2\n", "0.9,0.6\n"},
+                 Case{"matrix:", "single_scattering_albedo,l,a1,a2,a3,a4,b1,b2",
+                      "0.5,0,1,0,0,0,0,0\n", "0.9,0,1,0,0,0,0,0\n"});
+    const auto nm_of = [&](const std::string& name, const std::string& x, const std::string& y) {
+        return species(c.kind + folder.write("t.csv", name + "," + c.columns + "\n" + x + "," +
+                                                          c.at_400 + y + "," + c.at_500))
+            .wavelength_nm;
+    };
+    CAPTURE(c.kind);
+    for (const auto& nm :
+         {nm_of("wavelength_nm", "400", "500"), nm_of("wavelength_um", "0.4", "0.5"),
+          nm_of("Wavelength (um)", "0.4", "0.5")}) {
+        REQUIRE(nm.size() == 2);
+        CHECK(relative_error(nm[0], 400.0) <= 1e-15);  // rounding
+        CHECK(relative_error(nm[1], 500.0) <= 1e-15);
+    }
+    CHECK_THROWS_WITH(nm_of("wavelength_um,wavelength_nm", "0.4,400", "0.5,500"),
+                      Catch::Contains("column 'wavelength_um' is unknown or there twice"));
+}
+
 TEST_CASE("wrong moments and asymmetries over wavelengths are refused with file and line",
           "[pipeline][moments_file][errors]") {
     struct Case {

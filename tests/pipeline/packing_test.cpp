@@ -92,6 +92,45 @@ TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipel
     REQUIRE(said == (c.volume > 0.05 ? 1 : 0));
 }
 
+TEST_CASE("the note of crowding has the range over the wavelengths that packing would give",
+          "[pipeline][packing]") {
+    const std::string words = GENERATE(
+        "TiO2,radius=0.13,volume=15% in PMMA",
+        "index:1.6,0,radius=0.1,variance=0.1,volume=12% + "
+        "index:2,0,radius=0.3,distribution=log-normal,variance=0.05,volume=6% in index:1.5",
+        "index:1.6,0,radius=1,variance=0.3,distribution=gamma,volume=20% in index:1.5");
+    Scene scene = scene_of(words);
+    const std::vector<double> nm = GENERATE(std::vector<double>{450, 550, 700}, {700, 450, 550});
+    CAPTURE(words);
+    const auto scattering = [&](Packing packing) {
+        scene.particles.packing = packing;
+        std::vector<double> all;
+        for (const double at : nm)
+            all.push_back(
+                *solve(scene, {at}, {.tolerance = 1e-3}).layers().at(0).reduced_scattering_per_um);
+        return all;
+    };
+    const auto crowded = scattering(Packing::percus_yevick),
+               alone = scattering(Packing::independent);
+    double least = 1e9, most = 0.0;
+    for (std::size_t w = 0; w < nm.size(); ++w) {
+        least = std::min(least, crowded[w] / alone[w]);
+        most = std::max(most, crowded[w] / alone[w]);
+    }
+    const auto notes = solve(scene, nm).albedo({1.0}).notes;
+    const auto note = std::find_if(notes.begin(), notes.end(), [](const std::string& one) {
+        return one.find("independent") != std::string::npos;
+    });
+    REQUIRE(note != notes.end());
+    CAPTURE(*note, least, most);
+    const auto number_after = [&](const std::string& text) {
+        return std::stod(note->substr(note->find(text) + text.size()));
+    };
+    // Two digits, and sums over 16 sizes.
+    CHECK(relative_error(number_after("would have "), least) <= 0.02);
+    CHECK(relative_error(number_after("nm) to "), most) <= 0.06);
+}
+
 TEST_CASE("partial structure factors of hard spheres have their limits", "[pipeline][packing]") {
     for (const double q : {0.3, 1.0, 3.0}) {
         // Thin gases: pairs that do not overlap, S_ij = delta_ij - sqrt(n_i n_j) times the

@@ -4,6 +4,7 @@
     open_table.py PROGRAM FOLDER
 """
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -13,6 +14,9 @@ try:
     import xarray as xr
 except ImportError as missing:
     print(f"skipped: {missing}")
+    sys.exit(0)
+if shutil.which("ncdump") is None:
+    print("skipped: there is no program ncdump (package netcdf-bin)")
     sys.exit(0)
 
 SWEEP = """title = "two media"
@@ -115,9 +119,9 @@ def main():
         assert filters["zlib"] and filters["shuffle"], filters
         assert np.isnan(raw["plane_albedo"]._FillValue)
         assert raw["plane_albedo"].ancillary_variables == "error_estimate converged"
-    dump = subprocess.run(["ncdump", "-h", str(table)], capture_output=True, text=True)
-    if dump.returncode == 0:
-        assert "double plane_albedo(medium, ground, albedo, wavelength_nm, mu_in)" in dump.stdout
+    dump = subprocess.run(["ncdump", "-h", str(table)], capture_output=True, text=True,
+                          check=True)
+    assert "double plane_albedo(medium, ground, albedo, wavelength_nm, mu_in)" in dump.stdout
     eradiate(program, folder)
     print("opened with xarray, netCDF4 and ncdump")
 
