@@ -94,8 +94,10 @@ std::string fitted_scene(const FitProblem& problem, const FitResult& result) {
     std::string text = "# A fitted scene: miebrdf run THIS-FILE\n";
     for (const FittedValue& value : result.values) {
         if (!value.wavelength_nm)
-            text += fmt::format("# {} = {:.6g}, standard error {:.2g}\n", value.unknown,
-                                value.value, value.standard_error);
+            text += fmt::format("# {} = {:.6g}{}\n", value.unknown, value.value,
+                                std::isfinite(value.standard_error)
+                                    ? fmt::format(", standard error {:.2g}", value.standard_error)
+                                    : ", without a standard error");
     }
     for (const FitData& data : problem.data) {
         const std::vector<TemplateWord> words = words_of(problem, data);

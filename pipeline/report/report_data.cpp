@@ -1,5 +1,6 @@
 #include "pipeline/report/report_data.h"
 
+#include <fmt/format.h>
 #include <miebrdf/plan.h>
 #include <miebrdf/version.h>
 
@@ -118,7 +119,8 @@ std::string place_of(const Scene& scene, std::size_t medium) {
 }
 
 json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const Control& control,
-                PageBytes& bytes, bool& converged) {
+                ReportData& data) {
+    PageBytes& bytes = data.bytes;
     const ResolvedScene& scene = BrdfState::of(brdf).resolved;
     std::vector<std::size_t> media;  // that scatter or absorb
     for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
@@ -135,7 +137,11 @@ json media_json(const Brdf& brdf, const std::vector<double>& angles_deg, const C
         std::vector<int> log_phase;  // thousandths
         for (std::size_t w = 0; w < scene.wavelength_nm.size(); ++w) {
             const MediumOptics& at = optics[w][m];
-            converged = converged && at.converged;
+            if (!at.converged) {
+                data.shortfalls.push_back(fmt::format(
+                    "{} nm: the phase function that is shown of {} misses {}",
+                    scene.wavelength_nm[w], place_of(brdf.scene(), media[m]), kPhaseTolerance));
+            }
             albedo.push_back(at.optics.single_scattering_albedo);
             asymmetry.push_back(at.asymmetry);
             for (const double p : at.phase)
@@ -213,7 +219,8 @@ ReportData collect(const std::vector<ReportScene>& scenes, const Control& contro
             const CompactTable table({&solved, 1}, {.tolerance = kPageTolerance}, control);
             const AlbedoValues albedo = brdf.albedo(mu);
             const bool converged = solved.report().converged() && albedo.converged();
-            data.converged = data.converged && converged;
+            for (const auto& lines : {solved.report().shortfalls(), albedo.shortfalls()})
+                data.shortfalls.insert(data.shortfalls.end(), lines.begin(), lines.end());
             data.interpolation_error =
                 std::max(data.interpolation_error, table.interpolation_error());
             json one = {{"label", variant.label},
@@ -226,7 +233,7 @@ ReportData collect(const std::vector<ReportScene>& scenes, const Control& contro
                         {"albedo", albedo_json(albedo, data.bytes)},
                         {"sky", data.bytes.add(sky_reflection(table, brdf))},
                         {"omissions", omissions_json(plan)}};
-            one["media"] = media_json(brdf, phase_angles, control, data.bytes, data.converged);
+            one["media"] = media_json(brdf, phase_angles, control, data);
             variants.push_back(std::move(one));
         }
         const std::vector<double>& wavelength_nm = scene.variants.front().brdf.wavelength_nm();

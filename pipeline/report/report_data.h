@@ -38,8 +38,8 @@ inline constexpr double kPageTolerance = 8e-4;
 
 struct ReportData {  // NOLINT(bugprone-exception-escape): moving JSON does not throw
     nlohmann::json root;
-    PageBytes bytes;  ///< the arrays that it names
-    bool converged = true;
+    PageBytes bytes;                      ///< the arrays that it names
+    std::vector<std::string> shortfalls;  ///< what did not converge, and why; empty: all did
     double interpolation_error =
         0.0;  ///< largest of all scenes (CompactTable::interpolation_error)
 };

@@ -40,8 +40,18 @@ class MirroredLobe {
   public:
     MirroredLobe(double index, const RoughSurface& surface, UnscatteredReturn returned);
 
-    /// Adds scale(mu_in) scale(mu_out) R, laid out as a reflection.
-    /// @param scale_in, scale_out  LightFromAir::compensation
+    /// Fourier orders within which the lobe falls to 1e-4 of the first: a passage turns light by
+    /// (n - 1) times the slope of its facet, and GGX slopes of alpha give orders that fall like
+    /// exp(-alpha (n - 1) m).
+    int orders() const;
+    /// The first of them: scale(mu) scale(mu') R^m of all pairs of directions. What is computed for
+    /// each direction is where it enters, so that pairs cost a product of matrices.
+    /// @param mu     in air
+    /// @param scale  LightFromAir::compensation
+    std::vector<Eigen::MatrixXd> by_order(const Eigen::VectorXd& mu, const Eigen::VectorXd& scale,
+                                          int count) const;
+    /// Adds scale(mu_in) scale(mu_out) R, laid out as a reflection: by orders, or ray by ray where
+    /// that is less work.
     void add_to(std::vector<double>& reflection, const Directions& directions,
                 const Eigen::VectorXd& scale_in, const Eigen::VectorXd& scale_out) const;
 
@@ -54,9 +64,13 @@ class MirroredLobe {
     struct Leaving {
         double mu, sine, one_plus_lambda;
     };
+    class Passage;
 
+    Leaving towards(double mu_air) const;
     Returning entering(double mu_air) const;
     double leaving(const Returning& light, const Leaving& towards, double azimuth) const;
+    void add_by_rays(std::vector<double>& reflection, const Directions& directions,
+                     const Eigen::VectorXd& scale_in, const Eigen::VectorXd& scale_out) const;
 
     double index_;
     RoughSurface surface_;

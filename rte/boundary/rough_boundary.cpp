@@ -232,13 +232,17 @@ RoughBoundary::EnergyFromAir RoughBoundary::interpolated(const Eigen::VectorXd& 
 std::shared_ptr<const RoughBoundary::EnergyFromAir> RoughBoundary::energy_from_air(
     const Eigen::VectorXd& mu_air) const {
     const std::lock_guard lock(mutex_);
-    const bool is_known =
-        last_ != nullptr && last_->mu_air.size() == mu_air.size() && last_->mu_air == mu_air;
-    if (!is_known) {
-        last_ = std::make_shared<const EnergyFromAir>(neighbours_.empty() ? followed(mu_air)
-                                                                          : interpolated(mu_air));
+    const auto known = std::find_if(kept_.begin(), kept_.end(), [&](const auto& one) {
+        return one->mu_air.size() == mu_air.size() && one->mu_air == mu_air;
+    });
+    if (known != kept_.end()) {
+        kept_.splice(kept_.begin(), kept_, known);
+    } else {
+        kept_.push_front(std::make_shared<const EnergyFromAir>(
+            neighbours_.empty() ? followed(mu_air) : interpolated(mu_air)));
+        if (kept_.size() > kKeptRequests) kept_.pop_back();
     }
-    return last_;
+    return kept_.front();
 }
 
 LightFromAir RoughBoundary::from_air(const Eigen::VectorXd& mu_air) const {

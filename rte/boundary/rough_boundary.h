@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -214,9 +216,11 @@ class RoughBoundary {
     Eigen::MatrixXd order_0_;  ///< all parts
     Eigen::VectorXd sky_;      ///< energy of diffuse light from air (nodes inside, nodes in air)
     double internal_ = 0.0, external_ = 0.0;
-    /// The last request: all wavelengths of a scene ask the neighbours for the same directions.
+    /// The last requests: all wavelengths of a scene ask the neighbours for the same few lists of
+    /// directions (those of values, of a table, of the outer lobe), one after the other.
+    static constexpr std::size_t kKeptRequests = 8;
     mutable std::mutex mutex_;
-    mutable std::shared_ptr<const EnergyFromAir> last_;
+    mutable std::list<std::shared_ptr<const EnergyFromAir>> kept_;
 };
 
 }  // namespace miebrdf::rte

@@ -100,25 +100,34 @@ SurfaceLobe outer_lobe(const Boundary& boundary, double index) {
     return {index, {.beckmann_alpha = boundary.roughness, .distribution = boundary.distribution}};
 }
 
-int mirrored_lobe_orders(const ScaledStack& stack) {
-    // A passage turns light by (n - 1) times the slope of its facet, and GGX slopes of alpha give
-    // orders that fall like exp(-alpha (n - 1) m).
-    constexpr double fall = 9.0;
-    const double orders = fall / (stack.boundary->roughness * (stack.top_index - 1.0));
-    return int(std::clamp(orders, 12.0, double(kMostBoundaryOrders)));
+namespace {
+
+MirroredLobe mirrored_lobe(const ScaledStack& stack) {
+    return {stack.top_index,
+            {stack.boundary->roughness, stack.boundary->distribution},
+            [&](double mu) { return unscattered_return(stack, mu); }};
 }
+
+Eigen::VectorXd compensation(const ScaledStack& stack, const Eigen::VectorXd& mu) {
+    return stack.rough_boundaries->facet_compensation(stack.top_index, *stack.boundary, mu);
+}
+
+}  // namespace
 
 void add_mirrored_lobe(std::vector<double>& reflection, const Directions& directions,
                        const ScaledStack& stack) {
-    const Boundary& boundary = *stack.boundary;
-    const MirroredLobe lobe(stack.top_index, {boundary.roughness, boundary.distribution},
-                            [&](double mu) { return unscattered_return(stack, mu); });
     const auto scale_at = [&](const std::vector<double>& cosines) {
-        return stack.rough_boundaries->facet_compensation(
-            stack.top_index, boundary,
-            Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size())));
+        return compensation(
+            stack, Eigen::Map<const Eigen::VectorXd>(cosines.data(), Eigen::Index(cosines.size())));
     };
-    lobe.add_to(reflection, directions, scale_at(directions.mu_in), scale_at(directions.mu_out));
+    mirrored_lobe(stack).add_to(reflection, directions, scale_at(directions.mu_in),
+                                scale_at(directions.mu_out));
+}
+
+std::vector<Eigen::MatrixXd> mirrored_lobe_orders(const Eigen::VectorXd& mu,
+                                                  const ScaledStack& stack) {
+    const MirroredLobe lobe = mirrored_lobe(stack);
+    return lobe.by_order(mu, compensation(stack, mu), std::min(lobe.orders(), kMostBoundaryOrders));
 }
 
 double single_scattering(const std::vector<ScaledMedium>& media, bool exact, double mu_in,

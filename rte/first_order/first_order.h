@@ -113,12 +113,14 @@ SurfaceLobe outer_lobe(const Boundary& boundary, double index);
 /// (MirroredLobe) the orders of the roughness 0.02 have fallen to 1e-4 of the first within so many.
 inline constexpr int kMostBoundaryOrders = 192;
 
-/// The lobe that mirrors below a rough boundary send back through it is as narrow as the facets
-/// allow: Fourier orders within which it falls to 1e-4 of the first.
-int mirrored_lobe_orders(const ScaledStack& stack);
-/// Adds MirroredLobe of a stack below a rough boundary.
+/// Adds MirroredLobe of a stack below a rough boundary, as narrow as the facets allow.
 void add_mirrored_lobe(std::vector<double>& reflection, const Directions& directions,
                        const ScaledStack& stack);
+/// Its Fourier orders, at most kMostBoundaryOrders.
+/// @param mu  in air
+/// @return    R^m of all pairs of them
+std::vector<Eigen::MatrixXd> mirrored_lobe_orders(const Eigen::VectorXd& mu,
+                                                  const ScaledStack& stack);
 
 /// R of light scattered once by media without boundaries between them or above.
 double single_scattering(const std::vector<ScaledMedium>& media, bool exact, double mu_in,

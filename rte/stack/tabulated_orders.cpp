@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "rte/boundary/rough_boundaries.h"
@@ -14,26 +12,13 @@
 namespace miebrdf::rte {
 namespace {
 
-/// MirroredLobe at all pairs of cosines, order by order.
-void add_mirrored_orders(const std::vector<double>& mu, TabulatedOrders& table) {
-    const int count = mirrored_lobe_orders(table.stack);
-    Directions samples{mu, mu, {}};  // one more than orders, from 0 to 180 degrees
-    for (int a = 0; a <= count; ++a) samples.azimuth_deg.push_back(180.0 * a / count);
-    std::vector<double> lobe(mu.size() * mu.size() * samples.azimuth_deg.size(), 0.0);
-    add_mirrored_lobe(lobe, samples, table.stack);
-    const auto size = Eigen::Index(mu.size());
-    const Eigen::Map<const Eigen::MatrixXd> by_pair(lobe.data(), count + 1, size * size);
-    for (int m = 0; m < count; ++m) {
-        Eigen::VectorXd weights(count + 1);
-        for (int a = 0; a <= count; ++a) {
-            const double end = a == 0 || a == count ? 0.5 : 1.0;
-            weights[a] = end / count * std::cos(std::numbers::pi * double(m * a) / count);
-        }
-        const Eigen::VectorXd order = by_pair.transpose() * weights;
-        if (m == int(table.orders.size())) table.orders.emplace_back();
-        Eigen::MatrixXd& sum = table.orders[std::size_t(m)];
-        if (sum.size() == 0) sum.setZero(size, size);
-        sum += Eigen::Map<const Eigen::MatrixXd>(order.data(), size, size);
+/// MirroredLobe at all pairs of cosines.
+void add_mirrored_orders(const Eigen::VectorXd& mu, TabulatedOrders& table) {
+    std::vector<Eigen::MatrixXd> lobe = mirrored_lobe_orders(mu, table.stack);
+    table.orders.resize(std::max(table.orders.size(), lobe.size()));
+    for (std::size_t m = 0; m < lobe.size(); ++m) {
+        Eigen::MatrixXd& sum = table.orders[m];
+        sum.size() == 0 ? sum = std::move(lobe[m]) : sum += lobe[m];
     }
 }
 
@@ -63,7 +48,8 @@ TabulatedOrders tabulate_orders(const Stack& asked_stack, const std::vector<doub
     table.converged = multiple.converged;
     table.physical = multiple.physical;
     const bool is_rough = table.stack.boundary && table.stack.boundary->is_rough();
-    if (is_rough && table.stack.has_mirrors() && table.physical) add_mirrored_orders(mu, table);
+    if (is_rough && table.stack.has_mirrors() && table.physical)
+        add_mirrored_orders(requested.mu, table);
     return table;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -373,6 +374,33 @@ TEST_CASE("rough boundary over mirrors: photons that walk over the facets", "[rt
     CAPTURE(c.alpha, c.mirror, c.mu_out, c.azimuth_deg, sum / weight);
     // FacetWalk, which follows light through several facets, is within 2e-3 of the energy.
     CHECK(std::abs(sum / weight - c.mean) <= 4 * c.error + 5e-3 * c.mean);
+}
+
+TEST_CASE("rough boundary over mirrors: the lobe by orders is the lobe ray by ray",
+          "[rte][boundary]") {
+    const auto distribution =
+        GENERATE(rte::MicrofacetDistribution::ggx, rte::MicrofacetDistribution::beckmann);
+    const double alpha = GENERATE(0.05, 0.1, 0.4);
+    const rte::MirroredLobe lobe(1.5, {alpha, distribution}, [](double mu) { return 0.9 * mu; });
+    const auto values = [&](const std::vector<double>& mu_out, int azimuths) {
+        rte::Directions to{{0.4, 0.8}, mu_out, {}};
+        for (int a = 0; a < azimuths; ++a) to.azimuth_deg.push_back(180.0 * a / azimuths);
+        std::vector<double> reflection(2 * mu_out.size() * to.azimuth_deg.size(), 0.0);
+        lobe.add_to(reflection, to, Eigen::VectorXd::Ones(2),
+                    Eigen::VectorXd::Ones(Eigen::Index(mu_out.size())));
+        return reflection;
+    };
+    // One azimuth of one direction is less work by rays, a thousand are by orders.
+    const std::vector<double> by_orders = values({0.75}, 1000);
+    const double largest = *std::max_element(by_orders.begin(), by_orders.end());
+    CAPTURE(distribution, alpha, largest);
+    const std::vector<double> by_rays = values({0.75}, 1);
+    // Orders are left out where they have fallen to 1e-4 of the first.
+    for (const std::size_t in : {0, 1})
+        CHECK(std::abs(by_rays[in] - by_orders[1000 * in]) <= 1e-4 * largest);
+    const Eigen::VectorXd both{{0.4, 0.8}};
+    const auto orders = lobe.by_order(both, Eigen::VectorXd::Ones(2), lobe.orders());
+    CHECK(orders[0](0, 1) == orders[0](1, 0));
 }
 
 TEST_CASE("rough boundary over mirrors: so few particles do not matter", "[rte][boundary]") {

@@ -83,9 +83,9 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
     command.add_flag("--no-cache", common_.no_cache,
                      "neither use nor store results of earlier runs");
     command
-        .add_option(
-            "--progress", common_.progress,
-            "how progress is shown on standard error: auto (a line on a terminal), none or json")
+        .add_option("--progress", common_.progress,
+                    "how progress is shown on standard error: auto (a line on a "
+                    "terminal, else a line every ten seconds), none or json")
         ->capture_default_str();
     command.set_version_flag("--version", version_text);
 }

@@ -13,6 +13,7 @@
 #include "pipeline/solve/single_scattering.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/export_options.h"
+#include "tools/miebrdf/result_facts.h"
 
 namespace miebrdf::program {
 namespace {
@@ -237,8 +238,9 @@ int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell
                      {"tolerance", requested.report.tolerance},
                      {"converged", std::string(converged ? "yes" : "no")}};
     shell.tell_written(std::move(written));
-    shell.note(requested.report.summary() + (converged ? "" : "; all values are written"));
+    shell.note(requested.report.summary());
     if (!requested.warning.empty()) shell.note(requested.warning);
+    if (!converged) shell.set_advice(advice_on(requested.report.shortfalls()));
     return converged ? kGood : kNotConverged;
 }
 

@@ -106,8 +106,9 @@ void add_misfits(Table& table, const FitProblem& problem, const FitResult& resul
             ++count;
         }
         const double rms = std::sqrt(squares / count);
-        std::string text = fmt::format("{}: {:.4g} ({:.3g} % of the mean", problem.data[d].name,
-                                       rms, 100.0 * rms / (mean / count));
+        std::string text = fmt::format("{}: {:.4g} (", problem.data[d].name, rms);
+        text += mean > 0.0 ? fmt::format("{:.3g} % of the mean", 100.0 * rms / (mean / count))
+                           : "all measured values are 0";
         if (std::isfinite(relative))
             text += fmt::format("; relative to each value {:.3g} %",
                                 100.0 * std::sqrt(relative / count));

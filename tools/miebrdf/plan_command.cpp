@@ -5,9 +5,11 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/plan.h>
+#include "pipeline/solve/solved_table.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/reflection_options.h"
 #include "tools/miebrdf/run_command.h"
+#include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
 namespace {
@@ -60,6 +62,21 @@ void add_plans(Table& table, const AlbedoQuestion& question, const Control& cont
         add_plan(table, plan_albedo(solved(request, control), question.mu_in, &earlier),
                  name + " over " + describe(ground));
     }
+}
+
+/// A table of all directions, as `report` and `export` fill it.
+struct TableArguments {
+    SceneArguments scene;
+    void add_to(CLI::App& command, Shell& shell) {
+        scene.add_to(command, shell, SceneArguments::Base::optional, "400:700:10");
+    }
+    Request parse() const { return scene.parse(); }
+};
+
+void add_plans(Table& table, const Request& request, const Control& control, EarlierWork& earlier,
+               const std::string& name) {
+    add_plan(table, plan_evaluate(solved(request, control), probe_directions(), {}, &earlier),
+             name);
 }
 
 /// The plans of a result of a scene file.
@@ -119,6 +136,7 @@ void add_plan(CLI::App& command, Shell& shell) {
     add_kind<BrdfArguments>(command, shell, "brdf",
                             "--base TiO2 --coat AlGaAs7@0.1 --mu-in 1 --mu-out 0.1:1:0.1");
     add_kind<AlbedoArguments>(command, shell, "albedo", "--base TiO2 --coat AlGaAs7@0.1");
+    add_kind<TableArguments>(command, shell, "report", "--base TiO2 --coat AlGaAs7@0.1");
     shell.add_common_options(command);
     command.footer(
         "Example:\n  miebrdf plan docs/examples/paint.toml\n  miebrdf plan brdf --base TiO2 "
@@ -128,7 +146,8 @@ void add_plan(CLI::App& command, Shell& shell) {
         if (!command.get_subcommands().empty()) return;
         shell.set_job([path, &shell]() -> int {
             if (path->empty()) {
-                throw UsageError("plan what? give a scene file, or brdf or albedo with options");
+                throw UsageError(
+                    "plan what? give a scene file, or brdf, albedo or report with options");
             }
             return plan_scene_file(*path, shell);
         });

@@ -118,10 +118,11 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
         if (arguments.title.empty()) title += (title.empty() ? "" : " beside ") + named.name;
     }
     const report::ReportData data = report::collect(scenes, shell.control());
+    const bool converged = data.shortfalls.empty();
     const std::string page = report::make_page(data.bytes.compressed(data.root), title);
     shell.write_text(page);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    Table files{.facts = {{"converged", std::string(data.converged ? "yes" : "no")},
+    Table files{.facts = {{"converged", std::string(converged ? "yes" : "no")},
                           {"interpolation_error", rounded(data.interpolation_error, 2)}},
                 .columns = {"file", "bytes"}};
     files.rows.push_back({shell.common().output, double(page.size())});
@@ -130,13 +131,14 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
         fmt::format("{:.2f} MB in {:.1f} s; between the points of its tables the page is "
                     "within {:.1e} of the largest value at an incidence; solver {}",
                     double(page.size()) * 1e-6, seconds.count(), data.interpolation_error,
-                    data.converged ? "converged" : "NOT converged"));
+                    converged ? "converged" : "NOT converged"));
     if (!report::page_has_3d()) {
         shell.note(
             "this build has no three.js (Debian: libjs-three): the page draws the sphere "
             "without WebGL and shows no lobe in 3D");
     }
-    return data.converged ? kGood : kNotConverged;
+    if (!converged) shell.set_advice(advice_on(data.shortfalls));
+    return converged ? kGood : kNotConverged;
 }
 
 }  // namespace

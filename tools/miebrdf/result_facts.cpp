@@ -83,4 +83,10 @@ void add_facts(Table& table, const ResultReport& result, const Scene& scene,
     add_report(table, result);
 }
 
+std::string advice_on(const std::vector<std::string>& shortfalls) {
+    std::string advice = "not converged: " + shortfalls.front();
+    if (shortfalls.size() > 1) advice += fmt::format("; and {} more", shortfalls.size() - 1);
+    return advice + "; all values are written. A larger --tolerance accepts it";
+}
+
 }  // namespace miebrdf::program

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <miebrdf/brdf.h>
 #include "pipeline/io/table.h"
@@ -12,5 +13,9 @@ namespace miebrdf::program {
 /// tolerance; and the report, with one row for each wavelength.
 void add_facts(Table& table, const ResultReport& result, const Scene& scene,
                const std::string& units);
+
+/// What a command that writes no such table says at its end (Shell::set_advice).
+/// @param shortfalls  ResultReport::shortfalls(), at least one line
+std::string advice_on(const std::vector<std::string>& shortfalls);
 
 }  // namespace miebrdf::program

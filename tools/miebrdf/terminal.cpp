@@ -17,27 +17,40 @@ namespace {
 
 constexpr std::chrono::milliseconds kInterval{100};
 constexpr std::chrono::milliseconds kEventInterval{1000};
+constexpr std::chrono::milliseconds kWordsInterval{10'000};
 
 }  // namespace
 
 ProgressStyle parse_progress_style(const std::string& text) {
     if (text == "auto")
-        return ::isatty(STDERR_FILENO) != 0 ? ProgressStyle::line : ProgressStyle::none;
+        return ::isatty(STDERR_FILENO) != 0 ? ProgressStyle::line : ProgressStyle::words;
     if (text == "none") return ProgressStyle::none;
     if (text == "json") return ProgressStyle::json;
     throw UsageError(fmt::format("unknown progress style '{}'; allowed: auto, none, json", text));
 }
 
+ProgressLine::ProgressLine(ProgressStyle style)
+    : style_(style), clock_([this](const std::stop_token& stop) { keep_talking(stop); }) {}
+
+void ProgressLine::keep_talking(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (!stop.stop_requested()) {
+        at_end_.wait_for(lock, stop, kEventInterval, [] { return false; });
+        if (!stop.stop_requested() && !stage_.empty() && is_due()) print();
+    }
+}
+
 void ProgressLine::begin() {
     const std::lock_guard lock(mutex_);
     stage_.clear();
-    stage_start_ = last_update_ = Clock::now();
+    stage_start_ = last_update_ = last_print_ = Clock::now();
 }
 
 void ProgressLine::end() {
     const std::lock_guard lock(mutex_);
     if (line_shown_) std::fputs("\r\033[K", stderr);
     line_shown_ = false;
+    stage_.clear();
 }
 
 void ProgressLine::enter(const std::string& stage, std::size_t total) {
@@ -46,7 +59,8 @@ void ProgressLine::enter(const std::string& stage, std::size_t total) {
     done_ = pieces_ = 0;
     total_ = total;
     stage_start_ = last_update_;
-    last_print_ = style_ == ProgressStyle::json ? Clock::now() : Clock::time_point();
+    if (style_ == ProgressStyle::json) last_print_ = Clock::now();
+    if (style_ == ProgressStyle::line) last_print_ = Clock::time_point();
 }
 
 void ProgressLine::update(const std::string& stage, std::size_t done, std::size_t total) {
@@ -58,27 +72,30 @@ void ProgressLine::update(const std::string& stage, std::size_t done, std::size_
     total_ = total;
     pieces_ = 0;
     last_update_ = Clock::now();
-    if (!is_first && done < total && last_update_ - last_print_ < kInterval) return;
-    print();
+    const bool is_turn = style_ != ProgressStyle::words &&
+                         (is_first || done >= total || last_update_ - last_print_ >= kInterval);
+    if (is_turn || is_due()) print();
 }
 
 void ProgressLine::job_begun(const std::string& stage, std::size_t total) {
     if (style_ == ProgressStyle::none) return;
     const std::lock_guard lock(mutex_);
     enter(stage, total);
-    print_if_due();
+    if (is_due()) print();
 }
 
 void ProgressLine::piece_done() {
     if (style_ == ProgressStyle::none) return;
     const std::lock_guard lock(mutex_);
     ++pieces_;
-    print_if_due();
+    if (is_due()) print();
 }
 
-void ProgressLine::print_if_due() {
-    const auto interval = style_ == ProgressStyle::json ? kEventInterval : kInterval;
-    if (Clock::now() - last_print_ >= interval) print();
+bool ProgressLine::is_due() const {
+    const auto interval = style_ == ProgressStyle::json    ? kEventInterval
+                          : style_ == ProgressStyle::words ? kWordsInterval
+                                                           : kInterval;
+    return Clock::now() - last_print_ >= interval;
 }
 
 void ProgressLine::print() {
@@ -98,6 +115,10 @@ void ProgressLine::print() {
     if (pieces_ > 0) line += fmt::format(" and {} pieces of the next", pieces_);
     line += done_ > 0 ? fmt::format(", {:.3g}/s, {:.0f} s left", rate, left_s)
                       : fmt::format(", {:.0f} s so far", elapsed_s);
+    if (style_ == ProgressStyle::words) {
+        fmt::print(stderr, "miebrdf: {}\n", line);
+        return;
+    }
     fmt::print(stderr, "\r\033[K{}", line);
     std::fflush(stderr);
     line_shown_ = true;

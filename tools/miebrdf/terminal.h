@@ -3,23 +3,26 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <mutex>
 #include <string>
+#include <thread>
 
 namespace miebrdf::program {
 
-enum class ProgressStyle { none, line, json };
+enum class ProgressStyle { none, line, words, json };
 
-/// `auto` (a line on a terminal, else nothing), `none`, `json`.
+/// `auto` (a line on a terminal, else words now and then), `none`, `json`.
 /// @throws UsageError
 ProgressStyle parse_progress_style(const std::string& text);
 
-/// Prints at most ten times a second, and the end of every stage; as JSON, what happens within a
-/// job at most once a second. Any thread may call.
+/// A line that is printed at most ten times a second, and at the end of every stage; as JSON, what
+/// happens within a job at most once a second; in words every ten seconds. A clock of its own goes
+/// on where a job says nothing. Any thread may call.
 class ProgressLine {
   public:
-    explicit ProgressLine(ProgressStyle style) : style_(style) {}
+    explicit ProgressLine(ProgressStyle style);
     ~ProgressLine() { end(); }
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
@@ -37,8 +40,9 @@ class ProgressLine {
   private:
     using Clock = std::chrono::steady_clock;
     void enter(const std::string& stage, std::size_t total);
-    void print_if_due();
+    bool is_due() const;
     void print();
+    void keep_talking(const std::stop_token& stop);
 
     ProgressStyle style_;
     std::mutex mutex_;
@@ -48,8 +52,10 @@ class ProgressLine {
     /// A stage begins where the one before it ended: its first job counts too.
     Clock::time_point stage_start_ = Clock::now();
     Clock::time_point last_update_ = stage_start_;
-    Clock::time_point last_print_;
+    Clock::time_point last_print_ = stage_start_;
     bool line_shown_ = false;
+    std::condition_variable_any at_end_;
+    std::jthread clock_;  ///< the last member: it uses the others
 };
 
 /// From now on the first SIGINT or SIGTERM raises the flag. A program that has not ended by itself

@@ -124,7 +124,7 @@ class Database {
 
     /// Every material of both layers, by name.
     std::vector<MaterialInfo> list() const;
-    /// Every word must occur: whole words of all texts first, then parts of names (docs/materials.md).
+    /// Best match first; every word must occur in name, alias, title, formula or provenance.
     std::vector<MaterialInfo> search(const std::string& text) const;
     /// Materials that fit a filter.
     std::vector<MaterialInfo> search(const SearchFilter& filter) const;

@@ -75,7 +75,9 @@ const App = (() => {
     const coloured = scenes.every((scene) => scene.illuminants), two = scenes.length > 1;
     if (!coloured) view.show = 'wavelength';
     for (const id of ['main', 'objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
-    $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.name] : [s.name])));
+    const titled = document.title !== scenes.map((s) => s.name).join(' beside ');
+    if (titled) $('title').textContent = document.title;
+    else $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.name] : [s.name])));
     const nm = scenes[0].nm;
     view.wavelength = nm[scenes[0].near(550)];
 
@@ -241,7 +243,7 @@ const App = (() => {
       view.wholeThetaIn = Math.min(89, Math.round(view.thetaIn));
       if (wanted.has('facts')) {
         scenes.forEach((scene) => scene.choose(view.member));
-        $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, [s.name === s.description ? '' : `${s.name}: ${s.description}`,
+        $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, [s.name !== s.description ? `${s.name}: ${s.description}` : titled ? s.name : '',
           s.variant.label && `shown: ${s.variant.label}`].filter(Boolean).join('; '))));
       }
       if (wanted.has('picture')) drawPicture();

@@ -96,15 +96,18 @@ const Chart = (() => {
       const width = this.width = this.plot.clientWidth;
       if (!width || !this.series.length) return;
       const height = Math.round(Math.min(280, Math.max(200, width * 0.52)));
-      const box = { left: 58, right: width - 12, top: 10, bottom: height - 42 };
       const { x, y } = this.ranges(), { log } = this;
+      const levels = log ? powers(y[0], y[1], 6) : ticks(y[0], y[1], 5);
+      // Digits of 13 px are 8 px wide at most; the axis's name has 24 px beside them.
+      const widest = Math.max(...levels.map((v) => tickText(v, log).length));
+      const box = { left: Math.max(58, 32 + 8 * widest), right: width - 12, top: 10, bottom: height - 42 };
       const level = log ? Math.log10 : (v) => v;
       this.px = (v) => box.left + (v - x[0]) / (x[1] - x[0] || 1) * (box.right - box.left);
       this.py = (v) => box.bottom - (level(v) - level(y[0])) / (level(y[1]) - level(y[0])) * (box.bottom - box.top);
       this.box = box;
       this.plot.replaceChildren();
       const root = svg('svg', { width, height, viewBox: `0 0 ${width} ${height}` }, this.plot);
-      for (const value of log ? powers(y[0], y[1], 6) : ticks(y[0], y[1], 5)) {
+      for (const value of levels) {
         const at = this.py(value);
         svg('line', { x1: box.left, x2: box.right, y1: at, y2: at, class: 'grid' }, root);
         svg('text', { x: box.left - 8, y: at + 4, class: 'tick end' }, root, tickText(value, log));

@@ -192,7 +192,7 @@ const Panels = (() => {
   function drawSwatches(parent, scenes, view, light) {
     parent.replaceChildren();
     if (!light) return;
-    const table = tag('table'), head = tag('tr');
+    const table = tag('table', { class: 'colours' }), head = tag('tr');
     for (const name of ['Colour', '', 'X', 'Y', 'Z', 'L*', 'a*', 'b*']) head.append(tag('th', {}, name));
     table.append(head);
     const both = { diffuse: [], lamp: [] };
