@@ -73,6 +73,9 @@ Eigen::VectorXd OuterLobeScale::at(const Eigen::VectorXd& mu_air) const {
 namespace {
 
 constexpr int kMostOrders = 1024;  // a narrower lobe is followed ray by ray
+// Facets seen edge on end the lobe of a rough surface with a step, which so many azimuths and
+// cosines describe to 2e-4 of the largest value; 45 to 1e-3 (GGX, alpha 0.4).
+constexpr int kLeastSamples = 256;
 
 double one_plus_lambda_of(const RoughSurface& surface, double mu) {
     return cosine_over_masking(surface.distribution, surface.alpha, mu) / mu;
@@ -176,7 +179,7 @@ int MirroredLobe::orders() const {
 std::vector<Eigen::MatrixXd> MirroredLobe::by_order(const Eigen::VectorXd& mu,
                                                     const Eigen::VectorXd& scale, int count) const {
     // Panels of half the nodes resolve in the cosine what so many orders do in the azimuth.
-    const int samples = orders();
+    const int samples = std::max(kLeastSamples, std::max(count, orders()));
     const ZenithGrid nodes = RefractionGrid({index_}, samples).in_medium(index_);
     Eigen::MatrixXd transform(count, samples + 1);
     Eigen::VectorXd along(samples + 1), across(samples + 1);
@@ -230,9 +233,10 @@ void MirroredLobe::add_to(std::vector<double>& reflection, const Directions& dir
     const bool is_symmetric = directions.mu_in == directions.mu_out;
     const auto in = scale_in.size(), out = is_symmetric ? 0 : scale_out.size();
     const double pairs = double(scale_in.size() * scale_out.size());
-    const double azimuths = double(directions.azimuth_deg.size()), count = double(orders());
+    const double azimuths = double(directions.azimuth_deg.size()),
+                 samples = double(std::max(kLeastSamples, orders()));
     constexpr double kRays = 4000.0;  // of a beam and their mirror images, there and back
-    if (orders() == kMostOrders || double(in + out) * count * count > kRays * pairs * azimuths)
+    if (orders() == kMostOrders || double(in + out) * samples * samples > kRays * pairs * azimuths)
         return add_by_rays(reflection, directions, scale_in, scale_out);
 
     Eigen::VectorXd mu(in + out), scale(in + out);
@@ -242,7 +246,7 @@ void MirroredLobe::add_to(std::vector<double>& reflection, const Directions& dir
         mu.tail(out) = Eigen::Map<const Eigen::VectorXd>(directions.mu_out.data(), out);
         scale.tail(out) = scale_out;
     }
-    const std::vector<Eigen::MatrixXd> lobe = by_order(mu, scale, orders());
+    const std::vector<Eigen::MatrixXd> lobe = by_order(mu, scale, int(samples));
     const std::size_t lanes = math::kSeriesLanes;
     std::vector<double> series((lobe.size() + lanes - 1) / lanes * lanes, 0.0);
     std::size_t next = 0;

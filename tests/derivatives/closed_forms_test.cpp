@@ -78,6 +78,12 @@ struct RandomStack {
         return stack;
     }
 
+    /// Differences by indices have more nodes then, and are not those of these equations.
+    bool has_close_hosts() const {
+        const auto [low, high] = std::minmax(numbers[kIndices], numbers[kIndices + 1]);
+        return boundary && has_two_hosts && high < 1.06 * low;
+    }
+
     /// Whether a number moves nodes or mirrors, whose derivatives are differences.
     bool is_differenced(std::size_t number) const {
         if (number >= kIndices) return boundary || below == metal || below == film;
@@ -159,6 +165,7 @@ void compare_with_differences(const RandomStack& random, const rte::SolvedLight&
         // several media go in steps. Beams of mirrors are extrapolated from cosines 3e-5 apart,
         // which costs digits.
         const bool again = random.is_differenced(p);
+        if (again && random.has_close_hosts()) continue;
         const auto truth_of = [&](const auto& ask) -> Truth {
             const auto at = [&](double by) {
                 const rte::ScaledStack scaled = frozen.scaled_like(moved(p, by));

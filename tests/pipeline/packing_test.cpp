@@ -100,7 +100,8 @@ TEST_CASE("the note of crowding has the range over the wavelengths that packing 
         "index:2,0,radius=0.3,distribution=log-normal,variance=0.05,volume=6% in index:1.5",
         "index:1.6,0,radius=1,variance=0.3,distribution=gamma,volume=20% in index:1.5");
     Scene scene = scene_of(words);
-    const std::vector<double> nm = GENERATE(std::vector<double>{450, 550, 700}, {700, 450, 550});
+    const std::vector<double> nm =
+        GENERATE(std::vector<double>{450, 550, 700}, std::vector<double>{700, 450, 550});
     CAPTURE(words);
     const auto scattering = [&](Packing packing) {
         scene.particles.packing = packing;
