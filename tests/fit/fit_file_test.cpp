@@ -96,7 +96,7 @@ TEST_CASE("what is wrong with a fit file is said with its place and what would h
         {"mu_in = 0.5", "theta_in = 90", "theta_in 90; allowed"},
         {"mu_in = 0.5", "mu_in = 1.7", "mu_in 1.7; allowed"},
         {"sigma = 0.01", "sigma = 0.01\n[fit]\niterations = 2.5", "2.5; allowed: a whole number"},
-        {"sigma = 0.01", "sigma = 0.01\n[fit]\nstarts = 0", "1 to 1000"},
+        {"sigma = 0.01", "sigma = 0.01\n[fit]\nstarts = -1", "1 to 1000"},
         {"mu_in = 0.5", "mu_in = 0.5\nwavelengths = \"1000:950\"", "FIRST:LAST"},
         {"mu_in = 0.5", "mu_in = 0.5\nwavelengths = \"900:1000,950:1100\"", "ascending"},
         {"sigma = 0.01", "sigma = \"1 %\"", "given: '1 %'"},

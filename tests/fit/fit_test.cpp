@@ -503,37 +503,6 @@ TEST_CASE("minima that are equally good are said with what they disagree about",
     CHECK(has_line(found.notes, "g1 ("));
 }
 
-TEST_CASE("a fit whose best scene cannot be computed says so and gives no interval", "[fit]") {
-    require_fit();
-    // Spheroids end at a size parameter of 50, at 550 nm a radius of 4.4 um times the ratio of
-    // axes; the data are those of larger spheres.
-    const std::vector<double> nm = {1500, 2000};
-    const AlbedoValues truth =
-        solve(support::scene_of("index:1.5,0.01,radius=40,variance=0.1"), nm, {.tolerance = 1e-4})
-            .albedo({0.7});
-    FitData data{.name = "large"};
-    for (std::size_t w = 0; w < nm.size(); ++w)
-        data.values.push_back({.wavelength_nm = nm[w],
-                               .mu_in = 0.7,
-                               .value = truth.plane_albedo[w][0],
-                               .sigma = 1e-3});
-    const auto problem_from = [&](const std::string& start) {
-        return FitProblem{
-            .scene = {{"base",
-                       {"index:1.5,0.01,radius={r},distribution=mono,shape=spheroid,aspect=1.2"}}},
-            .unknowns = {unknown("r", start + " in 0.1:60 log")},
-            .data = {data}};
-    };
-    const FitResult found = fit(problem_from("1"));
-    CAPTURE(found.reason, value_of(found, "r").value, value_of(found, "r").note);
-    CHECK_FALSE(found.converged);
-    CHECK_THAT(found.reason, Contains("edge of what can be computed"));
-    CHECK(std::isnan(value_of(found, "r").standard_error));
-    CHECK_THAT(value_of(found, "r").note, Contains("no interval"));
-    // A start beyond is refused with one that would work.
-    CHECK_THROWS_WITH(fit(problem_from("50")), Contains("the fit cannot start from r = 50, but"));
-}
-
 TEST_CASE("robust losses hold where a value is wrong", "[fit]") {
     require_fit();
     FitData data = albedos_of(support::scene_of("hg:0.9,0"), kCosines, 0.0);
