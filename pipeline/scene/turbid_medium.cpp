@@ -142,11 +142,30 @@ std::shared_ptr<const GivenMedium> medium_of_paste(const Species& species) {
                                           std::move(coefficients));
 }
 
-const MediumParameter kAsymmetry = {"asymmetry", "(-1, 1)",
-                                    [](double g) { return g > -1.0 && g < 1.0; }};
+/// @throws UsageError  for lists that do not fit, and where nothing scatters or absorbs
+void check_paste(const Species& species) {
+    const FileScattering& table = species.scattering;
+    const std::size_t count = table.wavelength_nm.size();
+    if (count == 0 || table.extinction.size() != count || table.albedo.size() != count) {
+        throw UsageError(
+            fmt::format("{} wavelengths, {} extinctions and {} albedos; allowed: as "
+                        "many of each, at least one",
+                        count, table.extinction.size(), table.albedo.size()));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!(table.wavelength_nm[i] > (i == 0 ? 0.0 : table.wavelength_nm[i - 1])))
+            throw UsageError("wavelength_nm", table.wavelength_nm[i], "above 0, ascending");
+        if (!(table.extinction[i] > 0.0 && std::isfinite(table.extinction[i])))
+            throw UsageError(
+                fmt::format("nothing scatters or absorbs at {} nm; allowed: "
+                            "mu_s_reduced + mu_a above 0, finite",
+                            table.wavelength_nm[i]));
+        if (!(table.albedo[i] >= 0.0 && table.albedo[i] <= 1.0))
+            throw UsageError("albedo", table.albedo[i], "[0, 1]");
+    }
+}
 
-}  // namespace
-
+/// @throws InputError  with file and line; for an unknown name, with the names that there are
 void read_paste(const std::string& name, Species& species) {
     species.name = name;
     if (is_file(name)) {
@@ -172,27 +191,10 @@ void read_paste(const std::string& name, Species& species) {
     }
 }
 
-void check_paste(const Species& species) {
-    const FileScattering& table = species.scattering;
-    const std::size_t count = table.wavelength_nm.size();
-    if (count == 0 || table.extinction.size() != count || table.albedo.size() != count) {
-        throw UsageError(
-            fmt::format("{} wavelengths, {} extinctions and {} albedos; allowed: as "
-                        "many of each, at least one",
-                        count, table.extinction.size(), table.albedo.size()));
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!(table.wavelength_nm[i] > (i == 0 ? 0.0 : table.wavelength_nm[i - 1])))
-            throw UsageError("wavelength_nm", table.wavelength_nm[i], "above 0, ascending");
-        if (!(table.extinction[i] > 0.0 && std::isfinite(table.extinction[i])))
-            throw UsageError(
-                fmt::format("nothing scatters or absorbs at {} nm; allowed: "
-                            "mu_s_reduced + mu_a above 0, finite",
-                            table.wavelength_nm[i]));
-        if (!(table.albedo[i] >= 0.0 && table.albedo[i] <= 1.0))
-            throw UsageError("albedo", table.albedo[i], "[0, 1]");
-    }
-}
+const MediumParameter kAsymmetry = {"asymmetry", "(-1, 1)",
+                                    [](double g) { return g > -1.0 && g < 1.0; }};
+
+}  // namespace
 
 MediumKind paste() {
     return {.kind = Species::Kind::paste,

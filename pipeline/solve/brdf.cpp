@@ -105,17 +105,9 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene,
 std::vector<LayerSlice> layers_of(const BrdfState& state, const Directions& directions,
                                   const BrdfParts& parts) {
     const ResolvedScene& scene = state.resolved;
-    std::vector<LayerSlice> layers(scene.wavelength_nm.size());
-    if (wants_layers(parts) && !has_no_pairs(directions)) {
-        layers = compute_layers({scene, directions, state.solver, LayerQuantity::reflection},
-                                state.control);
-    } else {
-        for (std::size_t w = 0; w < layers.size(); ++w) {
-            layers[w].report.wavelength_nm = scene.wavelength_nm[w];
-            layers[w].report.converged = layers[w].report.solver.converged = true;
-        }
-    }
-    return layers;
+    if (!wants_layers(parts)) return without_values(scene);
+    return compute_layers({scene, directions, state.solver, LayerQuantity::reflection},
+                          state.control);
 }
 
 BrdfValues brdf_values(std::vector<LayerSlice> layers, const BrdfState& state,

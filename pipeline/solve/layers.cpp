@@ -312,7 +312,18 @@ LayerJobs list_layer_jobs(const LayerRequest& request) {
     return list;
 }
 
+std::vector<LayerSlice> without_values(const ResolvedScene& scene) {
+    std::vector<LayerSlice> slices(scene.wavelength_nm.size());
+    for (std::size_t w = 0; w < slices.size(); ++w) {
+        slices[w].report.wavelength_nm = scene.wavelength_nm[w];
+        slices[w].report.converged = slices[w].report.solver.converged = true;
+    }
+    return slices;
+}
+
 std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Control& control) {
+    if (is_reflection(request.quantity) && has_no_pairs(request.directions))
+        return without_values(request.scene);
     const DistinctDirections distinct(request.directions);
     LayerRequest reduced = request;
     // U and V tell azimuths of different sign apart.

@@ -85,4 +85,7 @@ bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
 /// @throws UsageError, Cancelled
 std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Control& control);
 
+/// Those of a request for no values: one for each wavelength, converged.
+std::vector<LayerSlice> without_values(const ResolvedScene& scene);
+
 }  // namespace miebrdf

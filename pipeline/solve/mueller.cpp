@@ -8,7 +8,6 @@
 
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/layers.h"
-#include "pipeline/solve/rules.h"
 
 namespace miebrdf {
 namespace {
@@ -25,22 +24,8 @@ MuellerValues Brdf::mueller(const Directions& directions) const {
     SolverOptions solver = state_->solver;
     if (solver.stokes < 3) solver.stokes = 3;
     const ResolvedScene& scene = state_->resolved;
-    // Without a pair of directions every incidence still has its albedo.
-    const Directions asked =
-        has_no_pairs(directions) ? Directions{directions.mu_in, {1.0}, {0.0}} : directions;
-    std::vector<LayerSlice> slices;
-    if (asked.mu_in.empty()) {
-        slices.resize(scene.wavelength_nm.size());
-        for (std::size_t w = 0; w < slices.size(); ++w) {
-            slices[w].report.wavelength_nm = scene.wavelength_nm[w];
-            slices[w].report.converged = slices[w].report.solver.converged = true;
-        }
-    } else {
-        slices = compute_layers({scene, asked, solver, LayerQuantity::mueller}, state_->control);
-    }
-    if (has_no_pairs(directions)) {
-        for (LayerSlice& slice : slices) slice.values.clear();
-    }
+    std::vector<LayerSlice> slices =
+        compute_layers({scene, directions, solver, LayerQuantity::mueller}, state_->control);
     MuellerValues values;
     values.directions = directions;
     values.components = solver.stokes;

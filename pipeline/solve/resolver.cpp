@@ -419,7 +419,7 @@ void Resolver::set_packing(ResolvedMedium& medium) {
 }
 
 void Resolver::note_crowding(const ResolvedMedium& medium) {
-    constexpr std::size_t kMostWavelengths = 9;  // the change is smooth; each takes up to 5 ms
+    constexpr std::size_t kMostWavelengths = 9;  // the change is smooth; each takes 1 to 16 ms
     const std::vector<double>& nm = medium.species.front().wavelength_nm;
     std::vector<std::size_t> by_wavelength(nm.size());
     std::iota(by_wavelength.begin(), by_wavelength.end(), 0);

@@ -516,3 +516,24 @@ TEST_CASE("robust losses hold where a value is wrong", "[fit]") {
     CHECK(std::abs(plain - 0.9) >= 0.01);
     CHECK(std::abs(robust - 0.9) <= 1e-3);
 }
+
+TEST_CASE("a fit that ends at the edge of what can be computed says so and gives no interval",
+          "[fit]") {
+    require_fit();
+    // Grains reflect the less the larger they are, and no size that can be computed is as dark.
+    FitProblem problem{
+        .scene = {{"base", {"index:1.31,1e-6,radius={r},variance=0.2,distribution=log-normal"}}},
+        .unknowns = {unknown("r", "200 in 20:3000 log")},
+        .data = {FitData{
+            .name = "dark",
+            .values = {{.wavelength_nm = 450, .mu_in = 0.7, .value = 0.02, .sigma = 1e-3}}}}};
+    const FitResult found = fit(problem);
+    CAPTURE(found.reason, value_of(found, "r").value, value_of(found, "r").note);
+    CHECK_FALSE(found.converged);
+    CHECK_THAT(found.reason, Contains("edge of what can be computed"));
+    CHECK(std::isnan(value_of(found, "r").standard_error));
+    CHECK_THAT(value_of(found, "r").note, Contains("no interval"));
+    // A start beyond is refused with one that would work.
+    problem.unknowns = {unknown("r", "2500 in 20:3000 log")};
+    CHECK_THROWS_WITH(fit(problem), Contains("the fit cannot start from r = 2500, but"));
+}

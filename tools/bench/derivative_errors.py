@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What derivatives err by at the default tolerance: the table of docs/derivatives.md.
+"""What derivatives err by at the default tolerance, as a table.
 
     derivative_errors.py PROGRAM [--count 25] [--seed 1] [--kind NAME]... [--worst 10] [--jobs 1]
 
