@@ -31,8 +31,8 @@ struct ProductTarget {
 void set_product(double scale, const Factor& A, const Factor& B, ProductTarget target);
 void add_product(double scale, const Factor& A, const Factor& B, ProductTarget target);
 
-/// A stride type that nothing else in the project uses: IsCompiledFactor tells these maps from those
-/// of other code by it.
+/// A stride type that nothing else in the project uses: IsCompiledFactor tells these maps from
+/// those of other code by it.
 using FactorStride = Eigen::Stride<Eigen::Dynamic, 1>;
 template <typename Stored>
 using FactorMap = Eigen::Map<const Stored, 0, FactorStride>;
