@@ -130,6 +130,14 @@ function(miebrdf_headers target)
     miebrdf_fast_build(${target} ${ARG_FAST})
 endfunction()
 
+# Sources that embed files (.S). The language brings gcc's ending of precompiled headers with it,
+# which Clang's must not have.
+macro(miebrdf_enable_assembler)
+    set(extension "${CMAKE_PCH_EXTENSION}")
+    enable_language(ASM)
+    set(CMAKE_PCH_EXTENSION "${extension}")
+endmacro()
+
 # miebrdf_plugin(NAME FOR target SOURCES a.cpp ... LINK word ...): miebrdf-NAME.so, a module around a
 # library that few requests need and that takes long to load; TARGET opens it when asked for
 # (pipeline/io/plugin.h).
