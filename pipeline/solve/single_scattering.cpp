@@ -212,8 +212,10 @@ std::vector<double> moved(std::vector<double> list, const std::vector<double>& b
 MediumOptics moved(const MediumOptics& known, const mie::EnsembleDifference& by, double share) {
     MediumOptics result = known;
     rte::Optics& optics = result.optics;
-    optics.single_scattering_albedo += share * by.single_scattering_albedo;
-    optics.one_minus_albedo += share * by.one_minus_albedo;
+    // Slopes of spheres that absorb nothing are rounding.
+    optics.single_scattering_albedo =
+        std::min(1.0, optics.single_scattering_albedo + share * by.single_scattering_albedo);
+    optics.one_minus_albedo = std::max(0.0, optics.one_minus_albedo + share * by.one_minus_albedo);
     optics.chi = moved(optics.chi, by.chi, share);
     if (by.phase_table) {
         optics.phase = [phase = known.optics.phase, slope = by.phase_table,

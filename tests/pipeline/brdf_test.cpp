@@ -423,9 +423,11 @@ TEST_CASE("an empty list of directions gives an empty result", "[pipeline][brdf]
                 REQUIRE(matrices.mueller.size() == 2);
                 CHECK(matrices.mueller[1].empty());
             }
-            const HdrfValues factors = brdf.hdrf(some, 0.0);
-            REQUIRE(factors.hdrf.size() == 2);
-            CHECK(factors.hdrf[1].empty());
+            for (const double diffuse : {0.0, 0.3}) {
+                const HdrfValues factors = brdf.hdrf(some, diffuse);
+                REQUIRE(factors.hdrf.size() == 2);
+                CHECK(factors.hdrf[1].empty());
+            }
         }
         CHECK(brdf.albedo({}).plane_albedo[1].empty());
     }
