@@ -62,3 +62,14 @@ def test_errors_name_the_value(arguments, words):
     with pytest.raises(miebrdf.UsageError) as error:
         miebrdf.layer_albedos(**{"mu_in": 0.5, **arguments})
     assert words in str(error.value)
+
+
+def test_a_subsurface_albedo_gives_its_colour_in_the_shape_of_the_arguments():
+    g = np.array([[0.0], [0.9]])
+    colour = [0.1, 0.5, 0.95]
+    albedo = miebrdf.subsurface_albedo(colour, g, host_index=1.5)
+    assert albedo.shape == (2, 3)
+    # A hundredth of the tolerance of 1e-3.
+    assert np.max(np.abs(miebrdf.subsurface_colour(albedo, g, host_index=1.5) - colour)) <= 1e-5
+    with pytest.raises(miebrdf.UsageError, match=r"colour\[0\]"):
+        miebrdf.subsurface_albedo(1.2)

@@ -38,12 +38,33 @@ py::dict solve_layers(const Values& single_scattering_albedo, const Values& asym
     return columns;
 }
 
+using BatchFunction = std::vector<double> (*)(std::span<const double>, std::span<const double>,
+                                              std::span<const double>, const rte::SolverOptions&,
+                                              const Control&);
+
+template <BatchFunction function>
+py::array solve_subsurface(const Values& values, const Values& asymmetry, const Values& host_index,
+                           const rte::SolverOptions& solver, const CallOptions& options) {
+    LongCall call(options);
+    return array_of(call.run([&] {
+        return function(values_of(values), values_of(asymmetry), values_of(host_index), solver,
+                        call.control());
+    }));
+}
+
 }  // namespace
 
 void bind_layers(py::module_& module) {
     module.def("layer_albedos", &solve_layers, py::arg("single_scattering_albedo"),
                py::arg("asymmetry"), py::arg("optical_depth"), py::arg("host_index"),
                py::arg("ground_albedo"), py::arg("mu_in"), py::arg("solver"), py::arg("options"));
+    const auto subsurface = [&](const char* name, auto function, const char* values) {
+        module.def(name, function, py::arg(values), py::arg("asymmetry"), py::arg("host_index"),
+                   py::arg("solver"), py::arg("options"));
+    };
+    subsurface("subsurface_colour", &solve_subsurface<subsurface_colour>,
+               "single_scattering_albedo");
+    subsurface("subsurface_albedo", &solve_subsurface<subsurface_albedo>, "colour");
 }
 
 }  // namespace miebrdf::python

@@ -10,4 +10,8 @@ void show_layer_albedos() {
         miebrdf::layer_albedos(miebrdf::LayerBatch{w, g, depth, index, ground, mu_in});
     for (std::size_t layer = 0; layer < w.size(); ++layer)
         std::cout << w[layer] << ": " << found.plane_albedo[layer * mu_in.size()] << '\n';
+    const std::vector<double> colour = {0.8, 0.5, 0.3}, below_glass = {1.5};
+    for (const double albedo : miebrdf::subsurface_albedo(colour, g, below_glass))
+        std::cout << albedo << '\n';
+    std::cout << miebrdf::subsurface_colour(w, g, index).front() << '\n';
 }

@@ -41,5 +41,27 @@ struct LayerAlbedos {
 LayerAlbedos layer_albedos(const LayerBatch& layers, const rte::SolverOptions& options = {},
                            const Control& control = {});
 
+/// The colour of a half-space of Henyey-Greenstein scatterers, as renderers name it: of uniform
+/// light that enters, the share that comes out again, in [0, 1]: (A - r) / (1 - r), A the spherical
+/// albedo and r what a smooth boundary reflects (0 without one). docs/subsurface.md.
+/// @param single_scattering_albedo, asymmetry, host_index  as of LayerBatch
+/// @return one value for each medium
+/// @throws UsageError, Cancelled  as layer_albedos
+std::vector<double> subsurface_colour(std::span<const double> single_scattering_albedo,
+                                      std::span<const double> asymmetry,
+                                      std::span<const double> host_index,
+                                      const rte::SolverOptions& options = {},
+                                      const Control& control = {});
+
+/// The single-scattering albedo that gives such a colour: the inverse of subsurface_colour, found
+/// to a hundredth of options.tolerance in the colour.
+/// @param colour  in [0, 1]
+/// @throws UsageError, Cancelled  as layer_albedos
+std::vector<double> subsurface_albedo(std::span<const double> colour,
+                                      std::span<const double> asymmetry,
+                                      std::span<const double> host_index,
+                                      const rte::SolverOptions& options = {},
+                                      const Control& control = {});
+
 }  // namespace miebrdf
 #pragma GCC visibility pop

@@ -26,7 +26,12 @@ from ._derivatives import Derivatives  # noqa: E402
 from ._directions import Report  # noqa: E402
 from ._files import BrdfFile, FileCheck, check, export, formats  # noqa: E402
 from ._fit import Fit, fit  # noqa: E402
-from ._layers import LayerAlbedos, layer_albedos  # noqa: E402
+from ._layers import (  # noqa: E402
+    LayerAlbedos,
+    layer_albedos,
+    subsurface_albedo,
+    subsurface_colour,
+)
 from ._materials import Material, Materials, materials  # noqa: E402
 from ._measured import Measurements, read_measured  # noqa: E402
 from ._media import coat, lambertian, media_forms, medium  # noqa: E402
@@ -99,4 +104,6 @@ __all__ = [
     "read_measured",
     "set_options",
     "sphere",
+    "subsurface_albedo",
+    "subsurface_colour",
 ]

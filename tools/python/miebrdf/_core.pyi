@@ -128,6 +128,21 @@ def layer_albedos(
     options: CallOptions,
 ) -> dict[str, Any]: ...
 
+def subsurface_colour(
+    single_scattering_albedo: _Floats,
+    asymmetry: _Floats,
+    host_index: _Floats,
+    solver: SolverOptions,
+    options: CallOptions,
+) -> _Floats: ...
+def subsurface_albedo(
+    colour: _Floats,
+    asymmetry: _Floats,
+    host_index: _Floats,
+    solver: SolverOptions,
+    options: CallOptions,
+) -> _Floats: ...
+
 # scenes
 class Medium:
     """What a layer is made of; `miebrdf.medium` makes one. ``a + b`` is a mixture.

@@ -110,3 +110,129 @@ def layer_albedos(
     shaped = {name: found[name].reshape(shapes.get(name, axes.shape)) for name in found}
     shaped["converged"] = shaped["converged"].astype(bool)
     return LayerAlbedos(**{name: values[()] for name, values in shaped.items()})
+
+
+def _subsurface(
+    function: Any,
+    name: str,
+    values: ArrayLike,
+    asymmetry: ArrayLike,
+    host_index: ArrayLike,
+    tolerance: float,
+    threads: int | None,
+    progress: Progress,
+) -> Floats:
+    media = {name: values, "asymmetry": asymmetry, "host_index": host_index}
+    axes = broadcast({key: np.asarray(value) for key, value in media.items()})
+    options = _core.SolverOptions()
+    options.tolerance = tolerance
+    columns = {key: array.reshape(-1) for key, array in zip(axes.given, axes.arrays)}
+    with Call(threads, progress, False) as call:
+        found = function(**columns, solver=options, options=call)
+    shaped: Floats = found.reshape(axes.shape)[()]
+    return shaped
+
+
+@checked()
+def subsurface_colour(
+    single_scattering_albedo: ArrayLike,
+    asymmetry: ArrayLike = 0.0,
+    *,
+    host_index: ArrayLike = 1.0,
+    tolerance: float = 1e-3,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Floats:
+    """The colour of half-spaces of Henyey-Greenstein scatterers, as renderers name it.
+
+    Of uniform light that enters, the share that comes out again: (A - r) / (1 - r), A the spherical
+    albedo and r what a smooth boundary of `host_index` reflects (0 for 1).
+
+    Parameters
+    ----------
+    single_scattering_albedo : float or array
+        In [0, 1]. This and the following two broadcast.
+    asymmetry : float or array
+        g in (-1, 1).
+    host_index : float or array
+        In [1, 3]; 1: no boundary.
+    tolerance : float
+        Of the albedo.
+    threads, progress
+        As for `set_options`.
+
+    Returns
+    -------
+    array
+        In [0, 1].
+
+    Raises
+    ------
+    UsageError
+        As `layer_albedos`.
+
+    Examples
+    --------
+    >>> subsurface_colour([0.5, 0.9, 0.99], 0.5, host_index=1.5)
+    """
+    return _subsurface(
+        _core.subsurface_colour,
+        "single_scattering_albedo",
+        single_scattering_albedo,
+        asymmetry,
+        host_index,
+        tolerance,
+        threads,
+        progress,
+    )
+
+
+@checked()
+def subsurface_albedo(
+    colour: ArrayLike,
+    asymmetry: ArrayLike = 0.0,
+    *,
+    host_index: ArrayLike = 1.0,
+    tolerance: float = 1e-3,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Floats:
+    """The single-scattering albedo that gives a colour: the inverse of `subsurface_colour`.
+
+    Parameters
+    ----------
+    colour : float or array
+        In [0, 1]. This and the following two broadcast.
+    asymmetry : float or array
+        g in (-1, 1).
+    host_index : float or array
+        In [1, 3]; 1: no boundary.
+    tolerance : float
+        Of the albedo; the colour is met to a hundredth of it.
+    threads, progress
+        As for `set_options`.
+
+    Returns
+    -------
+    array
+        In [0, 1].
+
+    Raises
+    ------
+    UsageError
+        As `layer_albedos`.
+
+    Examples
+    --------
+    >>> subsurface_albedo([0.8, 0.5, 0.3], 0.0, host_index=1.5)
+    """
+    return _subsurface(
+        _core.subsurface_albedo,
+        "colour",
+        colour,
+        asymmetry,
+        host_index,
+        tolerance,
+        threads,
+        progress,
+    )
