@@ -143,17 +143,9 @@ class EnsembleAverage {
     EnsembleOptics optics_;
 };
 
-// @throws UsageError
 Ensemble valid_ensemble(const EnsembleRequest& request) {
-    validate(request);
-    require_angles(request.angles_deg);
-    Ensemble ensemble = ensemble_of(request);
-    if (!(ensemble.smallest_x() >= 1e-30 && ensemble.largest_x() <= 1e5)) {
-        throw UsageError("size parameters",
-                         fmt::format("{} to {}", ensemble.smallest_x(), ensemble.largest_x()),
-                         "1e-30 to 1e5 in an ensemble");
-    }
-    return ensemble;
+    require_average(request);
+    return ensemble_of(request);
 }
 
 EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor& run)
@@ -383,11 +375,22 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     return AdaptivePhase(ensemble, goal, pieces).at(request.angles_deg, request.phase_allowed);
 }
 
+void require_average(const EnsembleRequest& request) {
+    validate(request);
+    require_angles(request.angles_deg);
+    if (request.aspect) return;
+    const Ensemble ensemble = ensemble_of(request);
+    if (!(ensemble.smallest_x() >= 1e-30 && ensemble.largest_x() <= 1e5)) {
+        throw UsageError("size parameters",
+                         fmt::format("{} to {}", ensemble.smallest_x(), ensemble.largest_x()),
+                         "1e-30 to 1e5 in an ensemble");
+    }
+}
+
 EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor& run) {
     const Executor pieces = flushing(run);
     if (request.aspect) {
-        validate(request);
-        require_angles(request.angles_deg);
+        require_average(request);
         EnsembleOptics optics = average_spheroids(request, pieces).optics;
         optics.chi.resize(static_cast<std::size_t>(request.highest_moment + 1));
         if (!request.with_phase_table) optics.phase_table = nullptr;

@@ -182,16 +182,6 @@ class MatrixAverage {
     MatrixOptics result_;
 };
 
-void require_affordable(const EnsembleRequest& request) {
-    const double largest = ensemble_of(request).largest_x();
-    if (largest <= kLargestMatrixSphere) return;
-    throw UsageError(
-        "size parameter with polarisation", fmt::format("{:.4g}", largest),
-        fmt::format("up to {:g}; this would take {:.2g} s and {:.2g} GB, and change "
-                    "the reflectance of unpolarised light by less than 0.3 %",
-                    kLargestMatrixSphere, matrix_seconds(request), 16e-9 * largest * 2 * largest));
-}
-
 }  // namespace
 
 int matrix_nodes(int terms, int degree) { return node_count(terms, degree); }
@@ -220,8 +210,20 @@ double matrix_seconds(const EnsembleRequest& request) {
     return products(terms, node_count(terms, degree), sizes) / AverageLimits::kProductsPerSecond;
 }
 
-MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run) {
+void require_matrix(const EnsembleRequest& request) {
     validate(request);
+    if (request.aspect) return;
+    const double largest = ensemble_of(request).largest_x();
+    if (largest <= kLargestMatrixSphere) return;
+    throw UsageError(
+        "size parameter with polarisation", fmt::format("{:.4g}", largest),
+        fmt::format("up to {:g}; this would take {:.2g} s and {:.2g} GB, and change "
+                    "the reflectance of unpolarised light by less than 0.3 %",
+                    kLargestMatrixSphere, matrix_seconds(request), 16e-9 * largest * 2 * largest));
+}
+
+MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run) {
+    require_matrix(request);
     const Executor pieces = flushing(run);
     if (request.aspect) {
         MatrixOptics spheroids = average_spheroids(request, pieces);
@@ -234,7 +236,6 @@ MatrixOptics average_matrix(const EnsembleRequest& request, const Executor& run)
         for (const auto& [name, list] : kMatrixLists) cut(spheroids.expansion.*list);
         return spheroids;
     }
-    require_affordable(request);
     return MatrixAverage(request, pieces).compute();
 }
 

@@ -64,6 +64,10 @@ Planner::Planner(const Brdf& brdf, const Directions& directions, const BrdfParts
       size_(expected_size(scene_, lowest_, solver_, distinct_.directions())) {}
 
 Plan Planner::plan() {
+    if (needs_layers_) {
+        for (std::size_t w = 0; w < scene_.wavelength_nm.size(); ++w)
+            require_computable(scene_, solver_, w);
+    }
     list_jobs();
     for (const Layer& layer : scene_.empty_layers) leave_out_layer(layer);
     if (scene_.substrate) leave_out("substrate", "a ground in place of a base: no half-space", 0.0);

@@ -45,6 +45,12 @@ void append_range(std::string_view part, const std::string& what, const Parse& p
         throw UsageError(
             fmt::format("{}: a step of {} does not lead from {} to {}", what, step, first, last));
     }
+    if (!(std::abs(step) <= std::abs(last - first) * (1.0 + 1e-9)) && first != last) {
+        throw UsageError(
+            fmt::format("{0}: a step of {1} is longer than the way from {2} to {3}: {2} would be "
+                        "the only number; write first:last:step, e.g. {2}:{3}:{4:.3g}",
+                        what, step, first, last, 0.1 * (last - first)));
+    }
     // The end belongs to the list although first + i step meets it only within rounding.
     const double steps = std::floor((last - first) / step * (1.0 + 1e-12) + 1e-9);
     if (!(steps + 1.0 + static_cast<double>(numbers.size()) <= kLongestList)) {

@@ -142,12 +142,44 @@ class ChangedSpheres {
                 }
                 continue;
             }
-            const auto changed = changed_optics(known, species, different, w, demand, pieces);
+            const auto changed = remembered_changes(known, species, different, w, demand, pieces);
             for (std::size_t i = 0; i < places.size(); ++i) {
                 plus_[places[i]].memo->keep(hash(*different[i].plus), changed[i].first);
                 minus_[places[i]].memo->keep(hash(*different[i].minus), changed[i].second);
             }
         }
+    }
+
+    /// changed_optics, from an earlier scene where the memo keeps them.
+    std::vector<std::pair<MediumOptics, MediumOptics>> remembered_changes(
+        const MediumOptics& known, const ResolvedSpecies& middle,
+        const std::vector<SpeciesChange>& changes, std::size_t w, const OpticsDemand& demand,
+        const mie::Executor& pieces) const {
+        OpticsMemo& memo = *control_.memo;
+        if (!memo.keeps_changes) return changed_optics(known, middle, changes, w, demand, pieces);
+        JobKey all("changed spheres");
+        all.add(optics_hash(middle, w, demand));
+        for (const auto& [plus, minus] : changes)
+            all.add(optics_hash(*plus, w, demand)).add(optics_hash(*minus, w, demand));
+        const std::string key = all.hash();
+        const auto name = [&](std::size_t change, const char* side) {
+            return fmt::format("{} {} {}", key, change, side);
+        };
+        std::vector<std::pair<MediumOptics, MediumOptics>> found;
+        for (std::size_t i = 0; i < changes.size(); ++i) {
+            const auto plus = memo.find(name(i, "+")), minus = memo.find(name(i, "-"));
+            if (!plus || !minus) break;
+            found.emplace_back(*plus, *minus);
+        }
+        if (found.size() == changes.size()) return found;
+        auto computed = changed_optics(known, middle, changes, w, demand, pieces);
+        // Each holds the phase function in the middle and its slope.
+        const std::size_t bytes = 2 * bytes_of(known);
+        for (std::size_t i = 0; i < changes.size(); ++i) {
+            memo.keep(name(i, "+"), computed[i].first, bytes);
+            memo.keep(name(i, "-"), computed[i].second, bytes);
+        }
+        return computed;
     }
 
     /// The same spheres of other sizes: polynomials of a lattice are smooth in these.

@@ -8,8 +8,6 @@
 #include "rte/boundary/rough_boundaries.h"
 
 namespace miebrdf {
-namespace {
-
 std::size_t bytes_of(const MediumOptics& optics) {
     const auto* table = optics.optics.phase.target<mie::PhaseTable>();
     const std::size_t of_table =
@@ -18,8 +16,6 @@ std::size_t bytes_of(const MediumOptics& optics) {
     const std::size_t of_matrix = p == nullptr ? 0 : 5 * p->a2.size();
     return sizeof(double) * (optics.optics.chi.size() + optics.phase.size() + of_table + of_matrix);
 }
-
-}  // namespace
 
 std::vector<double> packed(const MediumOptics& optics) {
     // A species alone: the extinction of a medium is not its own.
@@ -82,7 +78,10 @@ std::shared_ptr<const MediumOptics> OpticsMemo::find(const std::string& hash) {
 }
 
 void OpticsMemo::keep(const std::string& hash, const MediumOptics& optics) {
-    const std::size_t bytes = bytes_of(optics);
+    keep(hash, optics, bytes_of(optics));
+}
+
+void OpticsMemo::keep(const std::string& hash, const MediumOptics& optics, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     if (bytes > free_bytes_ || known_.contains(hash)) return;
     free_bytes_ -= bytes;

@@ -27,6 +27,9 @@ class SizeLattice;
 std::vector<double> packed(const MediumOptics& optics);
 MediumOptics unpacked_optics(const std::vector<double>& numbers);
 
+/// The memory of what a MediumOptics has of lists and tables.
+std::size_t bytes_of(const MediumOptics& optics);
+
 /// Packed optics that outlive a run, or that several processes share. Thread-safe.
 class OpticsStore {
   public:
@@ -44,6 +47,7 @@ class OpticsMemo {
 
     std::shared_ptr<const MediumOptics> find(const std::string& hash);
     void keep(const std::string& hash, const MediumOptics& optics);
+    void keep(const std::string& hash, const MediumOptics& optics, std::size_t bytes);
     int found() const;               ///< how often something was there
     std::size_t free_bytes() const;  ///< what is not kept for lack of room is computed again
     NamedIndexMemo& names() { return names_; }  ///< n and k: small, so not counted
@@ -53,6 +57,9 @@ class OpticsMemo {
     }
     OpticsStore* shared() const { return shared_.get(); }
 
+    /// Whether spheres a little different, for derivatives, are kept too: scenes of one run ask for
+    /// the same ones again; set before the memo is used.
+    bool keeps_changes = false;
     /// Where spheres of sizes that change come from (species_optics); set before the memo is used.
     std::shared_ptr<const SizeLattice> lattice = {};
 

@@ -245,16 +245,19 @@ std::string crowd_key(const ResolvedSpecies& species, std::size_t w) {
     return key.hash();
 }
 
+void require_crowd(const ResolvedSpecies& species, std::size_t w) {
+    const double kd = kd_of(species, w);
+    if (!(kd > 2.0 * kLargestSizeParameter)) return;
+    throw UsageError(fmt::format(
+        "medium '{}': its size parameter is {:.4g} at {} nm; packing percus-yevick goes up to "
+        "{}: crowding of larger spheres changes their forward diffraction alone",
+        describe(species.species), 0.5 * kd, species.particles[w].wavelength_nm,
+        kLargestSizeParameter));
+}
+
 MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,
                      const std::vector<double>& angles_deg) {
-    const double kd = kd_of(species, w);
-    if (kd > 2.0 * kLargestSizeParameter) {
-        throw UsageError(fmt::format(
-            "medium '{}': its size parameter is {:.4g} at {} nm; packing percus-yevick goes up to "
-            "{}: crowding of larger spheres changes their forward diffraction alone",
-            describe(species.species), 0.5 * kd, species.particles[w].wavelength_nm,
-            kLargestSizeParameter));
-    }
+    require_crowd(species, w);
     CrowdedPhase phase{alone.optics, structure_of(species, w), 1.0};
     const std::size_t count = alone.optics.chi.size();
     const math::Quadrature angles =

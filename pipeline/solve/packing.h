@@ -48,11 +48,14 @@ struct CrowdedPhase {
 /// Names what the structure depends on.
 std::string crowd_key(const ResolvedSpecies& species, std::size_t w);
 
+/// @throws UsageError  for spheres so large that the moments cannot be integrated
+void require_crowd(const ResolvedSpecies& species, std::size_t w);
+
 /// Spheres of one species among all others of their medium, with the scattering cross-section
 /// integrated again and the absorption as it was. One size, the effective radius, stands for all of
 /// a species (the decoupling approximation).
 /// @param alone  with the whole phase function (OpticsDemand::whole_phase_function)
-/// @throws UsageError  for spheres so large that the moments cannot be integrated
+/// @throws UsageError  as require_crowd
 MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, std::size_t w,
                      const std::vector<double>& angles_deg);
 

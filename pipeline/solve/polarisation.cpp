@@ -225,6 +225,11 @@ std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions&
     return why;
 }
 
+void require_light(const ResolvedScene& scene, const SolverOptions& solver) {
+    const std::string why = solver.stokes > 1 ? why_no_polarisation(scene, solver) : "";
+    if (!why.empty()) throw UsageError("stokes", solver.stokes, "1 or auto for this scene: " + why);
+}
+
 void state_light(const LightChoice& light, WavelengthReport& report) {
     report.stokes = light.components;
     report.polarisation_left_out = light.left_out;
@@ -234,11 +239,9 @@ void state_light(const LightChoice& light, WavelengthReport& report) {
 LightChoice choose_light(const LayerRequest& request, std::size_t w) {
     const int asked = request.solver.stokes;
     if (asked == 1) return {.reason = "one component was asked for"};
+    require_light(request.scene, request.solver);
+    if (asked > 1) return {.components = asked, .reason = "asked for"};
     const std::string why = why_no_polarisation(request.scene, request.solver);
-    if (asked > 1) {
-        if (!why.empty()) throw UsageError("stokes", asked, "1 or auto for this scene: " + why);
-        return {.components = asked, .reason = "asked for"};
-    }
     const auto [finest, coarsest] = polarising_sizes(request.scene, w);
     // Layers that scatter unpolarised light forget what one surface did to it.
     if (std::isinf(finest) && !has_two_surfaces(request.scene))

@@ -39,10 +39,12 @@ struct LightChoice {
 
 /// Empty, or why light of several components cannot be computed: "a boundary ...".
 std::string why_no_polarisation(const ResolvedScene& scene, const SolverOptions& solver);
+/// @throws UsageError  where several components are asked for and cannot be computed
+void require_light(const ResolvedScene& scene, const SolverOptions& solver);
 
 /// The choice that can be made before single scattering: by what was asked for, media that do not
 /// polarise, and which matrices may tell.
-/// @throws UsageError  where several components were asked for and cannot be computed
+/// @throws UsageError  as require_light
 LightChoice choose_light(const LayerRequest& request, std::size_t w);
 
 /// A scene at one wavelength with the light that it is solved for.

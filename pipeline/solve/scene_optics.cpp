@@ -1,9 +1,12 @@
 #include "pipeline/solve/scene_optics.h"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
+#include <utility>
 
 #include "pipeline/solve/parallel.h"
+#include "pipeline/solve/polarisation.h"
 #include "rte/grid/refraction_grid.h"
 #include "rte/stack/hidden_layers.h"
 
@@ -15,6 +18,41 @@ struct Place {
     std::size_t wavelength;
     std::size_t place;
 };
+
+void put_on_ground(const ResolvedScene& scene, std::size_t wavelength, rte::Stack& stack) {
+    stack.ground_albedo = scene.ground_albedo[wavelength];
+    stack.base_kind = stack.ground_albedo > 0.0 ? rte::BaseKind::lambertian : rte::BaseKind::none;
+    if (!scene.scene_host_index.empty()) stack.base_index = scene.scene_host_index[wavelength];
+    const bool is_free = scene.substrate == Substrate::Kind::none && scene.boundary;
+    if (!is_free && scene.mirror_index.empty()) return;
+    stack.base_kind = rte::BaseKind::mirror;
+    stack.mirror_index = is_free ? 1.0 : scene.mirror_index[wavelength];
+}
+
+/// 1 where nothing looks at it.
+double index_of(const ResolvedScene& scene, std::size_t medium, std::size_t wavelength) {
+    return scene.has_optical_steps() ? scene.media[medium].host_index[wavelength] : 1.0;
+}
+
+/// Media first ... last - 1, the first as the half-space (but for a substrate).
+rte::Stack stack_of(const ResolvedScene& scene, std::size_t first, std::size_t last, std::size_t w,
+                    const std::function<rte::Coat(std::size_t medium)>& layer) {
+    rte::Stack stack;
+    stack.boundary = scene.boundary;
+    const bool on_ground = first == 0 && scene.substrate;
+    if (on_ground) put_on_ground(scene, w, stack);
+    for (std::size_t m = on_ground ? 1 : first; m < last; ++m) {
+        rte::Coat coat = layer(m);
+        coat.index = index_of(scene, m, w);
+        if (m == first) {
+            stack.base = std::move(coat.optics);
+            stack.base_index = coat.index;
+        } else {
+            stack.coats.push_back(std::move(coat));
+        }
+    }
+    return stack;
+}
 
 /// Stacks the optics of a scene.
 class StackBuilder {
@@ -72,17 +110,13 @@ class StackBuilder {
         for (std::size_t p = 0; p < places.size(); ++p) {
             SceneOptics& whole = scenes.emplace_back();
             whole.lowest_medium = first;
-            whole.stack.boundary = scene_.boundary;
-            if (on_ground) put_on_ground(places[p].wavelength, whole.stack);
-            for (std::size_t i = 0; i < media.size(); ++i) {
-                const MediumOptics& of = optics[p][i];
-                if (i == 0 && !on_ground) {
-                    whole.stack.base = of.optics;
-                    whole.stack.base_index = index_of(media[i], places[p].wavelength);
-                } else {
-                    whole.stack.coats.push_back({of.optics, depth(media[i], places[p]),
-                                                 index_of(media[i], places[p].wavelength)});
-                }
+            whole.stack = stack_of(scene_, first, last, places[p].wavelength,
+                                   [&](std::size_t m) -> rte::Coat {
+                                       const bool is_base = m == first;
+                                       return {optics[p][m - media.front()].optics,
+                                               is_base ? 0.0 : depth(m, places[p])};
+                                   });
+            for (const MediumOptics& of : optics[p]) {
                 whole.mie_error_estimate = std::max(whole.mie_error_estimate, of.error_estimate);
                 whole.converged = whole.converged && of.converged;
             }
@@ -92,24 +126,6 @@ class StackBuilder {
 
   private:
     double depth(std::size_t medium, Place at) const { return depths_[at.place][medium - 1]; }
-
-    void put_on_ground(std::size_t wavelength, rte::Stack& stack) const {
-        stack.ground_albedo = scene_.ground_albedo[wavelength];
-        stack.base_kind =
-            stack.ground_albedo > 0.0 ? rte::BaseKind::lambertian : rte::BaseKind::none;
-        if (!scene_.scene_host_index.empty())
-            stack.base_index = scene_.scene_host_index[wavelength];
-        const bool is_free = scene_.substrate == Substrate::Kind::none && scene_.boundary;
-        if (!is_free && scene_.mirror_index.empty()) return;
-        stack.base_kind = rte::BaseKind::mirror;
-        stack.mirror_index = is_free ? 1.0 : scene_.mirror_index[wavelength];
-    }
-
-    /// 1 where nothing looks at it.
-    double index_of(std::size_t medium, std::size_t wavelength) const {
-        const auto& index = scene_.media[medium].host_index;
-        return scene_.has_optical_steps() ? index[wavelength] : 1.0;
-    }
 
     /// Puts `upper`, whose base is a layer of that depth, on `lower`.
     static SceneOptics joined(const SceneOptics& lower, const SceneOptics& upper,
@@ -171,6 +187,24 @@ std::vector<SceneOptics> optics_from(const ResolvedScene& scene, std::size_t low
                                      const OpticsDemand& demand, const Control& control) {
     const StackBuilder builder(scene, {}, 0.0, wavelengths, demand, control);
     return builder.stacks_of(lowest_medium, scene.media.size(), places_of(wavelengths));
+}
+
+void require_computable(const ResolvedScene& scene, const SolverOptions& solver, std::size_t w) {
+    require_light(scene, solver);
+    OpticsDemand demand = demand_of(solver, scene.particles.tolerance, PhaseDemand::moments_only);
+    const auto require = [&](const ResolvedMedium& medium, std::size_t at) {
+        for (const ResolvedSpecies& species : medium.species)
+            require_computable(species, at, demand);
+    };
+    for (const ResolvedDepth& depth : scene.depths) {
+        if (depth.reference) require(*depth.reference, 0);
+    }
+    demand.polarisation = solver.stokes > 1;
+    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m)
+        require(scene.media[m], w);
+    rte::validate(stack_of(scene, 0, scene.media.size(), w, [](std::size_t) -> rte::Coat {
+        return {rte::isotropic_optics(1.0), 1.0};
+    }));
 }
 
 Directions below_boundary(const ResolvedScene& scene, std::size_t wavelength,

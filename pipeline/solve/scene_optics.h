@@ -32,6 +32,12 @@ std::vector<SceneOptics> optics_from(const ResolvedScene& scene, std::size_t low
                                      const std::vector<std::size_t>& wavelengths,
                                      const OpticsDemand& demand, const Control& control);
 
+/// Refuses, without computing anything, a scene that cannot be solved at this wavelength: its
+/// species (require_computable of single_scattering.h), light of several components that it cannot
+/// have, indices that its boundary does not take. Layers that others hide count, too.
+/// @throws UsageError, InputError
+void require_computable(const ResolvedScene& scene, const SolverOptions& solver, std::size_t w);
+
 /// Directions as the layers under a scene's boundary see them.
 Directions below_boundary(const ResolvedScene& scene, std::size_t wavelength,
                           const Directions& directions);

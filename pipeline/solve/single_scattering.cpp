@@ -16,6 +16,7 @@
 #include "pipeline/scene/medium_kinds.h"
 #include "pipeline/solve/coated.h"
 #include "pipeline/solve/grain_shape.h"
+#include "pipeline/solve/packing.h"
 #include "rte/first_order/first_order.h"
 #include "rte/grid/discretisation.h"
 #include "rte/math/legendre.h"
@@ -55,12 +56,11 @@ mie::EnsembleRequest ensemble_request(const ResolvedSpecies& species, std::size_
     return request;
 }
 
-/// An average; what it refuses is a matter of sizes and wavelength together.
-template <typename Average>
-auto average(Average compute, const Species& species, const mie::EnsembleRequest& request,
-             const mie::Executor& run) {
+/// Calls `ask`; what it refuses is a matter of sizes and wavelength together.
+template <typename Ask>
+auto ask_mie(const Species& species, const mie::EnsembleRequest& request, Ask ask) {
     try {
-        return compute(request, run);
+        return ask(request);
     } catch (const UsageError& error) {
         const ParticleSizes& own = species.sizes;
         throw UsageError(fmt::format(
@@ -71,6 +71,13 @@ auto average(Average compute, const Species& species, const mie::EnsembleRequest
             own.effective_variance ? "variance" : "effective_variance",
             request.sizes.effective_variance, request.host_index, request.wavelength_nm));
     }
+}
+
+template <typename Average>
+auto average(Average compute, const Species& species, const mie::EnsembleRequest& request,
+             const mie::Executor& run) {
+    return ask_mie(species, request,
+                   [&](const mie::EnsembleRequest& own) { return compute(own, run); });
 }
 
 mie::EnsembleRequest matrix_request(const ResolvedSpecies& species, std::size_t w,
@@ -105,7 +112,11 @@ MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, const Opt
                         const mie::Executor& run) {
     auto request = matrix_request(species, w, demand);
     const double size = size_parameter(species, w);
-    if (demand.stand_ins && size > kLargestOwnMatrix) request = stand_in(std::move(request), size);
+    if (demand.stand_ins && size > kLargestOwnMatrix) {
+        // Refusals are in words of its own sizes and wavelength.
+        ask_mie(species.species, request, mie::require_average);
+        request = stand_in(std::move(request), size);
+    }
     mie::MatrixOptics matrix = average(mie::average_matrix, species.species, request, run);
     MediumOptics result;
     result.optics.single_scattering_albedo = matrix.optics.single_scattering_albedo;
@@ -173,6 +184,18 @@ std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const Opt
 
 double matrix_seconds(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
     return mie::matrix_seconds(matrix_request(species, w, demand));
+}
+
+void require_computable(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
+    if (!species.needs_mie()) {
+        species.given->optics(species.wavelength_nm[w]);
+        return;
+    }
+    if (species.crowded) require_crowd(species, w);
+    mie::EnsembleRequest request = particles_of(species, w);
+    request.tolerance = demand.tolerance;
+    const bool has_matrix = demand.polarisation && !has_smooth_phase(species.species);
+    ask_mie(species.species, request, has_matrix ? mie::require_matrix : mie::require_average);
 }
 
 MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,

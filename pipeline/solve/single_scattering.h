@@ -66,6 +66,12 @@ std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const Opt
 /// About how long its scattering matrix takes (mie::matrix_seconds).
 double matrix_seconds(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand);
 
+/// Refuses, without computing it, a species whose optics cannot be computed at this wavelength.
+/// What only computing can tell is not looked for: a T-matrix without digits, lobes that fit no
+/// moments.
+/// @throws UsageError, InputError
+void require_computable(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand);
+
 /// One species at one wavelength, computed.
 /// @param run  for the pieces of one Mie average (parallel.h)
 /// @throws UsageError  for sizes that the average cannot be taken over at this wavelength

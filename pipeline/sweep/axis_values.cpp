@@ -104,6 +104,27 @@ std::string unit_in(const std::string& name) {
     return "";
 }
 
+std::string quotient_of_units(const std::string& unit, const std::string& by) {
+    std::string quotient = unit == "1" ? "" : unit;
+    // Products of units with whole exponents, such as "kg m-2", are turned part by part.
+    const bool is_product = by.find_first_of("/*^.()%") == std::string::npos;
+    for (const std::string& part : is_product ? split_list(by, ' ') : std::vector{by}) {
+        if (part.empty() || part == "1") continue;
+        const std::size_t sign = part.find('-', 1), digit = part.find_last_not_of("0123456789");
+        std::string inverse = is_product ? part + "-1" : "(" + part + ")-1";
+        if (is_product && part.starts_with("1e-")) {
+            inverse = "1e" + part.substr(3);
+        } else if (is_product && sign != std::string::npos) {
+            const std::string power = part.substr(sign + 1);
+            inverse = part.substr(0, sign) + (power == "1" ? "" : power);
+        } else if (is_product && digit + 1 < part.size()) {
+            inverse = part.substr(0, digit + 1) + "-" + part.substr(digit + 1);
+        }
+        quotient += (quotient.empty() ? "" : " ") + inverse;
+    }
+    return quotient.empty() ? "1" : quotient;
+}
+
 Axis axis_of(const std::string& name, std::vector<double> numbers) {
     Axis axis{.name = name, .words = {}, .numbers = std::move(numbers), .unit = unit_in(name)};
     for (const double number : axis.numbers) {
@@ -127,10 +148,16 @@ Axis parse_axis(const std::string& name, const std::string& text) {
                         "after first:last:count",
                         name, parts.spacing));
     }
-    if (name == "wavelength_nm") return axis_of(name, parse_wavelengths_nm(text));
     try {
-        return axis_of(name, parse_number_list(text, "axis " + name));
+        return axis_of(name, name == "wavelength_nm" ? parse_wavelengths_nm(text)
+                                                     : parse_number_list(text, "axis " + name));
     } catch (const UsageError& error) {
+        if (text.find(':') != std::string::npos) {
+            throw UsageError(
+                fmt::format("{}; a number of values is said with their spacing: \"0:0.3:7 linear\"",
+                            error.what()));
+        }
+        if (name == "wavelength_nm") throw;
         throw UsageError(
             fmt::format("{}; texts are written as a list, [\"TiO2\", \"ZnO\"]", error.what()));
     }

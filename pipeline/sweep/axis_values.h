@@ -27,6 +27,9 @@ std::vector<Axis> read_columns(const std::string& file, const std::vector<std::s
 /// "um" of "radius_um"; empty where the name says none.
 std::string unit_in(const std::string& name);
 
+/// "sr-1 um-1" of "sr-1" by "um", as UDUNITS writes it; "1" and empty units are left out.
+std::string quotient_of_units(const std::string& unit, const std::string& by);
+
 /// Refuses values of a coordinate that neither ascend nor descend. @throws UsageError
 void require_monotonic(const Axis& axis);
 

@@ -116,13 +116,11 @@ class CsvWriter : public TableWriter {
 
 /// Adds the sources of a scene that are not there yet; a scene that fails has none.
 void add_sources(const Sweep& sweep, std::size_t scene, std::vector<std::string>& sources) {
-    try {
-        for (const std::string& source :
-             resolve(request_of(sweep, scene).scene, sweep.wavelength.numbers).sources) {
+    for (const ResolvedScene& part : look_up(sweep, scene).parts) {
+        for (const std::string& source : part.sources) {
             if (std::find(sources.begin(), sources.end(), source) == sources.end())
                 sources.push_back(source);
         }
-    } catch (const Error&) {
     }
 }
 

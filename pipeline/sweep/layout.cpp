@@ -1,5 +1,9 @@
 #include "pipeline/sweep/layout.h"
 
+#include <algorithm>
+
+#include "pipeline/sweep/axis_values.h"
+
 namespace miebrdf::sweep {
 namespace {
 
@@ -15,11 +19,12 @@ class LayoutBuilder {
     /// The same, and its derivatives.
     void add_with_derivatives(const std::string& name, const std::string& long_name,
                               const std::string& unit, const std::vector<const Axis*>& axes,
-                              const std::vector<std::string>& parameters) {
+                              const Sweep& sweep) {
         add(name, long_name, unit, axes);
-        for (const std::string& parameter : parameters) {
+        for (const std::string& parameter : sweep.derivatives) {
+            const Axis* axis = sweep.find_axis(parameter);
             add(derivative_name(name, parameter), "derivative of " + name + " by " + parameter,
-                unit, axes);
+                quotient_of_units(unit, axis != nullptr ? axis->unit : unit_in(parameter)), axes);
         }
     }
     Layout finished() { return std::move(layout_); }
@@ -71,7 +76,7 @@ Layout layout_of(const Sweep& sweep) {
     LayoutBuilder builder;
     const auto add = [&](const std::string& name, const std::string& long_name,
                          const std::string& unit, const std::vector<const Axis*>& axes) {
-        builder.add_with_derivatives(name, long_name, unit, axes, sweep.derivatives);
+        builder.add_with_derivatives(name, long_name, unit, axes, sweep);
     };
     for (const Output output : sweep.outputs) {
         switch (output) {

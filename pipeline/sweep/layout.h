@@ -40,10 +40,11 @@ std::vector<const Axis*> asked_axes(const Sweep& sweep);
 
 /// The results of one scene.
 struct SceneResult {
-    std::vector<double> values = {};  ///< laid out by a Layout; not-a-number of scenes that failed
+    std::vector<double> values = {};  ///< laid out by a Layout; not-a-number where it failed
     double error_estimate = 0.0;      ///< relative, the largest; not-a-number of scenes that failed
-    bool converged = false;
-    std::string remark = {};  ///< why it failed, or what missed the tolerance
+    bool converged = false;           ///< false where values are missing, too
+    std::size_t missing_wavelengths = 0;  ///< that could not be computed: their values are missing
+    std::string remark = {};              ///< why they are, or what missed the tolerance
 };
 
 /// @throws UsageError  where transmittances are wanted of a scene that has none

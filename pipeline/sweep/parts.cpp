@@ -42,8 +42,10 @@ std::string packed(const std::vector<SceneResult>& results) {
         append(bytes, result.values.data(), result.values.size() * sizeof(double));
         append(bytes, &result.error_estimate, sizeof(double));
         const auto converged = static_cast<std::uint64_t>(result.converged);
+        const auto missing = static_cast<std::uint64_t>(result.missing_wavelengths);
         const auto length = static_cast<std::uint64_t>(result.remark.size());
         append(bytes, &converged, sizeof converged);
+        append(bytes, &missing, sizeof missing);
         append(bytes, &length, sizeof length);
         bytes += result.remark;
     }
@@ -60,10 +62,12 @@ class PartReader {
         result.values.resize(record);
         take(result.values.data(), record * sizeof(double));
         take(&result.error_estimate, sizeof(double));
-        std::uint64_t converged = 0, length = 0;
+        std::uint64_t converged = 0, missing = 0, length = 0;
         take(&converged, sizeof converged);
+        take(&missing, sizeof missing);
         take(&length, sizeof length);
         result.converged = converged != 0;
+        result.missing_wavelengths = missing;
         result.remark.resize(std::min<std::size_t>(length, bytes_.size()));
         take(result.remark.data(), result.remark.size());
         return result;
@@ -144,13 +148,11 @@ std::string Parts::header_of(const Chunk& chunk) const {
     const std::size_t group = sweep_.scenes_per_group();
     for (std::size_t scene = chunk.first; scene < chunk.first + chunk.count;
          scene += group - scene % group) {
-        try {
-            const ResolvedScene resolved =
-                resolve(request_of(sweep_, scene).scene, sweep_.wavelength.numbers);
+        const SceneLookUp found = look_up(sweep_, scene);
+        for (const ResolvedScene& resolved : found.parts) {
             for (std::size_t w = 0; w < resolved.wavelength_nm.size(); ++w) resolved.add_to(key, w);
-        } catch (const Error& error) {
-            key.add(error.what());
         }
+        for (const auto& [places, reason] : found.refusals) key.add(reason);
     }
     return fmt::format("miebrdf sweep chunk {} of {} scenes {}\n", chunk.number, chunk.count,
                        key.hash());

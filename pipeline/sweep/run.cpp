@@ -76,8 +76,10 @@ ChunkWorker::ChunkWorker(const Sweep& sweep, const Layout& layout, const Parts& 
 }
 
 void ChunkWorker::compute(const Chunk& chunk, RunReport& report) {
-    if (control_.memo == nullptr || control_.memo->free_bytes() < kSharedBytes / 2)
+    if (control_.memo == nullptr || control_.memo->free_bytes() < kSharedBytes / 2) {
         control_.memo = std::make_shared<OpticsMemo>(kSharedBytes, folder_);
+        control_.memo->keeps_changes = !sweep_.derivatives.empty();
+    }
     const std::clock_t start = std::clock();
     parts_.write(chunk, compute_chunk(sweep_, layout_, chunk, control_));
     report.costs.push_back({chunk, double(std::clock() - start) / CLOCKS_PER_SEC});
@@ -136,10 +138,13 @@ TableReport write_table(const Parts& parts, TableWriter& writer, const Control& 
         for (const SceneResult& result : *results) {
             ++report.scenes;
             const bool failed = std::isnan(result.error_estimate);
-            if ((failed && report.failed == 0) || report.first_remark.empty())
+            const bool lacks_values = result.missing_wavelengths > 0;
+            if ((lacks_values && report.failed + report.incomplete == 0) ||
+                report.first_remark.empty())
                 report.first_remark = result.remark;
             report.failed += failed;
-            report.not_converged += !failed && !result.converged;
+            report.incomplete += !failed && result.missing_wavelengths > 0;
+            report.not_converged += !failed && result.missing_wavelengths == 0 && !result.converged;
             if (!failed)
                 report.error_estimate = std::max(report.error_estimate, result.error_estimate);
         }

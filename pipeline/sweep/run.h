@@ -80,9 +80,12 @@ RunReport run_share(const Sweep& sweep, const Layout& layout, const Parts& parts
 
 /// Summary over the scenes of a table.
 struct TableReport {
-    std::size_t scenes = 0, failed = 0, not_converged = 0;
+    std::size_t scenes = 0;
+    std::size_t failed = 0;         ///< scenes without any value
+    std::size_t incomplete = 0;     ///< scenes with values at some of their wavelengths
+    std::size_t not_converged = 0;  ///< of the others
     double error_estimate = 0.0;    ///< largest of those that did not fail
-    std::string first_remark = {};  ///< of a scene that failed, else of one not converged
+    std::string first_remark = {};  ///< of a scene that lacks values, else of one not converged
 };
 
 /// Writes the whole table, in the order of the scenes: equal bytes, whoever computed them.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/solve/optics_memo.h"
 #include "pipeline/sweep/layout.h"
 
 namespace miebrdf::sweep {
@@ -16,15 +17,17 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// Copies the values of a variable to their place in a scene's record.
 class Record {
   public:
-    Record(const Layout& layout, SceneResult& result) : layout_(layout), result_(result) {
-        result_.values.assign(layout.record, kNone);
-        result_.converged = true;
-    }
+    /// @param places  of the wavelengths that values are given of
+    Record(const Layout& layout, const std::vector<std::size_t>& places, SceneResult& result)
+        : layout_(layout), places_(places), result_(result) {}
 
-    void set(const std::string& name, std::size_t first, const std::vector<double>& values) {
-        const Variable& variable = *layout_.find(name);
-        std::copy(values.begin(), values.end(),
-                  result_.values.begin() + std::ptrdiff_t(variable.offset + first));
+    /// All values of a variable at one wavelength.
+    void set(const std::string& name, std::size_t wavelength, const std::vector<double>& values) {
+        copy(name, places_[wavelength] * values.size(), values);
+    }
+    /// One of a variable that has no wavelengths.
+    void set_of_spectrum(const std::string& name, std::size_t index, double value) {
+        copy(name, index, {value});
     }
 
     /// Adds what an evaluation says about itself.
@@ -37,20 +40,36 @@ class Record {
     }
 
   private:
+    void copy(const std::string& name, std::size_t first, const std::vector<double>& values) {
+        const Variable& variable = *layout_.find(name);
+        std::copy(values.begin(), values.end(),
+                  result_.values.begin() + std::ptrdiff_t(variable.offset + first));
+    }
+
     const Layout& layout_;
+    const std::vector<std::size_t>& places_;
     SceneResult& result_;
+};
+
+/// What is computed together: all of a scene, or what can be of one.
+struct Part {
+    const Sweep& sweep;
+    const Layout& layout;
+    std::vector<std::string> derivatives;
+    bool is_whole;  ///< all wavelengths
 };
 
 void set_brdf(const BrdfValues& values, const std::string& name, Record& record) {
     for (std::size_t w = 0; w < values.slices.size(); ++w)
-        record.set(name, w * values.slices[w].total.size(), values.slices[w].total);
+        record.set(name, w, values.slices[w].total);
 }
 
-void add_brdf(const Brdf& brdf, const Sweep& sweep, Record& record) {
+void add_brdf(const Brdf& brdf, const Part& part, Record& record) {
     const BrdfParts parts{.subsurface = false, .surface = false, .total = true};
+    const Directions directions = part.sweep.directions();
     const auto all = [&]() -> WithDerivatives<BrdfValues> {
-        if (sweep.derivatives.empty()) return {brdf.evaluate(sweep.directions(), parts), {}, {}};
-        return brdf.derivatives(sweep.derivatives).evaluate(sweep.directions(), parts);
+        if (part.derivatives.empty()) return {brdf.evaluate(directions, parts), {}, {}};
+        return brdf.derivatives(part.derivatives).evaluate(directions, parts);
     }();
     set_brdf(all.values, "brdf", record);
     for (std::size_t p = 0; p < all.derivatives.size(); ++p)
@@ -71,7 +90,7 @@ void add_mueller(const Brdf& brdf, const Directions& directions, const Layout& l
             std::vector<double> of_element;
             for (std::size_t i = e; i < values.mueller[w].size(); i += elements)
                 of_element.push_back(values.mueller[w][i]);
-            record.set(name, w * of_element.size(), of_element);
+            record.set(name, w, of_element);
         }
     }
     record.add(values);
@@ -91,12 +110,12 @@ void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& rec
         for (std::size_t w = 0; w < spectrum.size() && !values.mu_in.empty(); ++w)
             spectrum[w] = values.plane_albedo[w][i];
         const Colour colour = colorimeter(spectrum);
-        record.set("X", i, {colour.xyz.x});
-        record.set("Y", i, {colour.xyz.y});
-        record.set("Z", i, {colour.xyz.z});
-        record.set("L_star", i, {colour.lab.l});
-        record.set("a_star", i, {colour.lab.a});
-        record.set("b_star", i, {colour.lab.b});
+        record.set_of_spectrum("X", i, colour.xyz.x);
+        record.set_of_spectrum("Y", i, colour.xyz.y);
+        record.set_of_spectrum("Z", i, colour.xyz.z);
+        record.set_of_spectrum("L_star", i, colour.lab.l);
+        record.set_of_spectrum("a_star", i, colour.lab.a);
+        record.set_of_spectrum("b_star", i, colour.lab.b);
     }
 }
 
@@ -104,24 +123,24 @@ void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& rec
 template <typename Spell>
 void set_albedos(const AlbedoValues& values, const Sweep& sweep, const Spell& spell,
                  Record& record) {
-    const std::size_t in = values.mu_in.size();
-    const auto set = [&](Output output, std::size_t first, const std::vector<double>& list) {
-        if (sweep.wants(output)) record.set(spell(name_of(output)), first, list);
+    const auto set = [&](Output output, std::size_t w, const std::vector<double>& list) {
+        if (sweep.wants(output)) record.set(spell(name_of(output)), w, list);
     };
     for (std::size_t w = 0; w < values.spherical_albedo.size(); ++w) {
-        set(Output::plane_albedo, w * in, values.plane_albedo[w]);
+        set(Output::plane_albedo, w, values.plane_albedo[w]);
         set(Output::spherical_albedo, w, {values.spherical_albedo[w]});
         if (values.spherical_transmittance.empty()) continue;
-        set(Output::plane_transmittance, w * in, values.plane_transmittance[w]);
+        set(Output::plane_transmittance, w, values.plane_transmittance[w]);
         set(Output::spherical_transmittance, w, {values.spherical_transmittance[w]});
     }
 }
 
-void add_albedos(const Sweep& sweep, const Brdf& brdf, Record& record) {
+void add_albedos(const Brdf& brdf, const Part& part, Record& record) {
+    const Sweep& sweep = part.sweep;
     const std::vector<double> mu_in = sweep.directions().mu_in;
     const auto all = [&]() -> WithDerivatives<AlbedoValues> {
-        if (sweep.derivatives.empty()) return {brdf.albedo(mu_in), {}, {}};
-        return brdf.derivatives(sweep.derivatives).albedo(mu_in);
+        if (part.derivatives.empty()) return {brdf.albedo(mu_in), {}, {}};
+        return brdf.derivatives(part.derivatives).albedo(mu_in);
     }();
     set_albedos(
         all.values, sweep, [](const std::string& name) { return name; }, record);
@@ -131,7 +150,8 @@ void add_albedos(const Sweep& sweep, const Brdf& brdf, Record& record) {
             [&](const std::string& name) { return derivative_name(name, all.parameters[p]); },
             record);
     }
-    if (sweep.wants(Output::colour)) add_colours(all.values, sweep.viewing, record);
+    if (sweep.wants(Output::colour) && part.is_whole)
+        add_colours(all.values, sweep.viewing, record);
     record.add(all.values);
 }
 
@@ -153,25 +173,65 @@ void require_transmittance(const Sweep& sweep, const Request& request) {
 SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t scene,
                         const Control& control) {
     SceneResult result;
-    Record record(layout, result);
+    result.values.assign(layout.record, kNone);
+    result.converged = true;
+    std::string why;
+    std::vector<std::size_t> missing, without_derivatives;
+    const auto miss = [&](std::size_t place, const char* reason, std::vector<std::size_t>& list) {
+        if (why.empty()) why = reason;
+        list.push_back(place);
+    };
     try {
-        const Request request = request_of(sweep, scene);
-        require_transmittance(sweep, request);
-        const Brdf brdf = solve(request.scene, sweep.wavelength.numbers, request.solver, control);
-        if (sweep.wants(Output::brdf)) add_brdf(brdf, sweep, record);
-        if (sweep.wants(Output::mueller)) add_mueller(brdf, sweep.directions(), layout, record);
-        if (sweep.wants_albedos()) add_albedos(sweep, brdf, record);
-        return result;
+        const SceneLookUp found =
+            look_up(sweep, scene, control.memo != nullptr ? &control.memo->names() : nullptr);
+        for (const Refusal& refusal : found.refusals) {
+            for (const std::size_t place : refusal.wavelengths)
+                miss(place, refusal.reason.c_str(), missing);
+        }
+        const auto use = [&](const std::vector<std::size_t>& places,
+                             const std::vector<std::string>& derivatives) {
+            const Request& request = found.request;
+            const Brdf brdf =
+                solve(request.scene, wavelengths_at(sweep, places), request.solver, control);
+            const Part part{sweep, layout, derivatives, places.size() == sweep.wavelength.size()};
+            Record record(layout, places, result);
+            if (sweep.wants(Output::brdf)) add_brdf(brdf, part, record);
+            if (sweep.wants(Output::mueller)) add_mueller(brdf, sweep.directions(), layout, record);
+            if (sweep.wants_albedos()) add_albedos(brdf, part, record);
+        };
+        use_wavelengths(
+            found.wavelengths,
+            [&](const std::vector<std::size_t>& places) { use(places, sweep.derivatives); },
+            [&](std::size_t place, const Error& error) {
+                if (sweep.derivatives.empty()) return miss(place, error.what(), missing);
+                use_wavelengths(
+                    {place}, [&](const std::vector<std::size_t>& places) { use(places, {}); },
+                    [&](std::size_t, const Error& alone) { miss(place, alone.what(), missing); });
+                if (missing.empty() || missing.back() != place)
+                    miss(place, error.what(), without_derivatives);
+            });
     } catch (const Cancelled&) {
         throw;
-    } catch (const std::bad_alloc&) {
-        result.remark = "failed: not enough memory";
-    } catch (const std::exception& error) {
-        result.remark = fmt::format("failed: {}", error.what());
+    } catch (const std::exception& error) {  // of memory, say
+        why = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "not enough memory"
+                                                                     : error.what();
+        missing.resize(sweep.wavelength.size());
+        std::fill(result.values.begin(), result.values.end(), kNone);
     }
-    std::fill(result.values.begin(), result.values.end(), kNone);
-    result.error_estimate = kNone;
+    if (why.empty()) return result;
     result.converged = false;
+    result.missing_wavelengths = missing.size() + without_derivatives.size();
+    if (missing.size() == sweep.wavelength.size()) {
+        result.remark = "failed: " + why;
+        result.error_estimate = kNone;
+        return result;
+    }
+    std::sort(missing.begin(), missing.end());
+    result.remark =
+        missing.empty()
+            ? fmt::format("no derivatives at {}: {}",
+                          describe_wavelengths(sweep, without_derivatives), why)
+            : fmt::format("failed at {}: {}", describe_wavelengths(sweep, missing), why);
     return result;
 }
 

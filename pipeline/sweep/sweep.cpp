@@ -1,16 +1,19 @@
 #include "pipeline/sweep/sweep.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <miebrdf/error.h>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <numbers>
+#include <numeric>
 #include <set>
 
-#include "pipeline/solve/resolved_scene.h"
+#include "pipeline/solve/scene_optics.h"
 #include "pipeline/sweep/eradiate.h"
+#include "pipeline/sweep/layout.h"
 
 namespace miebrdf::sweep {
 namespace {
@@ -53,7 +56,7 @@ std::size_t neighbour(const Sweep& sweep, std::size_t dimension, std::size_t ind
     return scene_at(sweep, place);
 }
 
-void look_up(const Sweep& sweep, std::size_t scene) {
+void require_scene(const Sweep& sweep, std::size_t scene) {
     const Request request = request_of(sweep, scene);
     validate(request.scene);
     resolve(request.scene, sweep.wavelength.numbers);
@@ -116,6 +119,18 @@ bool Sweep::wants_albedos() const {
     });
 }
 
+const Axis* Sweep::find_axis(const std::string& name) const {
+    for (const Dimension& dimension : dimensions) {
+        for (const Axis& axis : dimension.axes) {
+            if (axis.name == name) return &axis;
+        }
+    }
+    for (const Axis* axis : {&wavelength, &incidence, &reflection, &azimuth}) {
+        if (axis->size() > 0 && axis->name == name) return axis;
+    }
+    return nullptr;
+}
+
 Directions Sweep::directions() const {
     return {cosines_of(incidence), cosines_of(reflection), azimuth.numbers};
 }
@@ -162,6 +177,72 @@ Request request_of(const Sweep& sweep, std::size_t scene) {
     return request;
 }
 
+void use_wavelengths(const std::vector<std::size_t>& places,
+                     const std::function<void(const std::vector<std::size_t>&)>& use,
+                     const std::function<void(std::size_t place, const Error&)>& refuse) {
+    if (places.empty()) return;
+    try {
+        return use(places);
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error& error) {
+        if (places.size() == 1) return refuse(places.front(), error);
+    }
+    const auto middle = places.begin() + std::ptrdiff_t(places.size() / 2);
+    use_wavelengths({places.begin(), middle}, use, refuse);
+    use_wavelengths({middle, places.end()}, use, refuse);
+}
+
+std::vector<double> wavelengths_at(const Sweep& sweep, const std::vector<std::size_t>& places) {
+    std::vector<double> wavelength_nm;
+    for (const std::size_t place : places) wavelength_nm.push_back(sweep.wavelength.numbers[place]);
+    return wavelength_nm;
+}
+
+std::string describe_wavelengths(const Sweep& sweep, const std::vector<std::size_t>& places) {
+    constexpr std::size_t kListed = 5;
+    std::vector<double> some = wavelengths_at(sweep, places);
+    some.resize(std::min(some.size(), kListed));
+    return places.size() > kListed
+               ? fmt::format("{}, ... nm ({} wavelengths)", fmt::join(some, ", "), places.size())
+               : fmt::format("{} nm", fmt::join(some, ", "));
+}
+
+SceneLookUp look_up(const Sweep& sweep, std::size_t scene, NamedIndexMemo* memo) {
+    SceneLookUp found;
+    std::vector<std::size_t> all(sweep.wavelength.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    try {
+        found.request = request_of(sweep, scene);
+        validate(found.request.scene);
+        require_transmittance(sweep, found.request);
+    } catch (const Error& error) {
+        found.refusals.push_back({all, error.what()});
+        return found;
+    }
+    const auto refuse = [&](std::size_t place, const Error& error) {
+        if (found.refusals.empty() || found.refusals.back().reason != error.what())
+            found.refusals.push_back({{}, error.what()});
+        found.refusals.back().wavelengths.push_back(place);
+    };
+    use_wavelengths(
+        all,
+        [&](const std::vector<std::size_t>& places) {
+            found.parts.push_back(
+                resolve(found.request.scene, wavelengths_at(sweep, places), memo));
+            for (std::size_t w = 0; w < places.size(); ++w) {
+                try {
+                    require_computable(found.parts.back(), found.request.solver, w);
+                    found.wavelengths.push_back(places[w]);
+                } catch (const Error& error) {
+                    refuse(places[w], error);
+                }
+            }
+        },
+        refuse);
+    return found;
+}
+
 void order_for_sharing(Sweep& sweep) {
     std::vector<Dimension> optical, others;
     for (std::size_t d = 0; d < sweep.dimensions.size(); ++d)
@@ -174,7 +255,7 @@ void order_for_sharing(Sweep& sweep) {
 void check_names(const Sweep& sweep) {
     std::exception_ptr reason;
     try {
-        look_up(sweep, 0);
+        require_scene(sweep, 0);
     } catch (const Error&) {
         reason = std::current_exception();
     }
@@ -187,7 +268,7 @@ void check_names(const Sweep& sweep) {
         for (std::size_t i = 0; has_text && i + 1 < dimension.size(); ++i) tried.push_back(i);
         for (const std::size_t index : tried) {
             try {
-                look_up(sweep, neighbour(sweep, d, index));
+                require_scene(sweep, neighbour(sweep, d, index));
                 reason = nullptr;
             } catch (const Error&) {
                 if (has_text) throw;

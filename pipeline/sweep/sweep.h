@@ -6,12 +6,16 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/colour.h>
 
+#include <miebrdf/error.h>
+
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "pipeline/scene/scene_template.h"
+#include "pipeline/solve/resolved_scene.h"
 
 namespace miebrdf::sweep {
 
@@ -82,6 +86,8 @@ struct Sweep {
     bool wants_matrices_or_brdf() const { return wants(Output::brdf) || wants(Output::mueller); }
     /// Anything that Fourier order 0 has.
     bool wants_albedos() const;
+    /// Null if there is none of this name.
+    const Axis* find_axis(const std::string& name) const;
     Directions directions() const;
 };
 
@@ -93,6 +99,38 @@ std::vector<std::size_t> place_of(const Sweep& sweep, std::size_t scene);
 /// The scene of this number.
 /// @throws UsageError, InputError  for values that no scene can have
 Request request_of(const Sweep& sweep, std::size_t scene);
+
+/// Wavelengths of a scene that cannot be computed, and why.
+struct Refusal {
+    std::vector<std::size_t> wavelengths = {};  ///< places along the axis
+    std::string reason = {};
+};
+
+/// A scene with its names looked up, as far as it can be computed.
+struct SceneLookUp {
+    Request request = {};
+    std::vector<ResolvedScene> parts = {};  ///< its wavelengths together, or those that it covers
+    std::vector<std::size_t> wavelengths = {};  ///< places along the axis that can be computed
+    std::vector<Refusal> refusals = {};         ///< the others
+};
+
+/// Looks a scene up and asks every wavelength whether it can be computed, computing nothing: what
+/// only computing can tell is left out (require_computable of pipeline/solve/scene_optics.h).
+/// Mistakes of the scene are a result, not an exception.
+/// @param memo  of names; null: none
+SceneLookUp look_up(const Sweep& sweep, std::size_t scene, NamedIndexMemo* memo = nullptr);
+
+/// Calls `use` for places along the axis of wavelengths: all together, where it throws an Error
+/// each half for itself; `refuse` for the single ones where it throws.
+void use_wavelengths(const std::vector<std::size_t>& places,
+                     const std::function<void(const std::vector<std::size_t>&)>& use,
+                     const std::function<void(std::size_t place, const Error&)>& refuse);
+
+/// The wavelengths at these places.
+std::vector<double> wavelengths_at(const Sweep& sweep, const std::vector<std::size_t>& places);
+
+/// "400, 500 nm"; the first of many.
+std::string describe_wavelengths(const Sweep& sweep, const std::vector<std::size_t>& places);
 
 /// Moves the dimensions that change single scattering to the front, so that scenes that share it
 /// follow each other. Which these are is found by looking up the first scene and its neighbours

@@ -8,6 +8,7 @@
 #include <array>
 #include <cctype>
 #include <set>
+#include <utility>
 
 #include "pipeline/sweep/axis_values.h"
 #include "pipeline/sweep/eradiate.h"
@@ -206,15 +207,7 @@ void zip_dimensions(Sweep& sweep) {
 }
 
 Axis* find_axis(Sweep& sweep, const std::string& name) {
-    for (Dimension& dimension : sweep.dimensions) {
-        for (Axis& axis : dimension.axes) {
-            if (axis.name == name) return &axis;
-        }
-    }
-    for (Axis* axis : {&sweep.wavelength, &sweep.incidence, &sweep.reflection, &sweep.azimuth}) {
-        if (axis->size() > 0 && axis->name == name) return axis;
-    }
-    return nullptr;
+    return const_cast<Axis*>(std::as_const(sweep).find_axis(name));
 }
 
 std::vector<std::string> scene_axis_names(const Sweep& sweep) {

@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <numeric>
 #include <set>
 #include <thread>
 
@@ -44,11 +48,14 @@ class ScenePlans {
         control_.memo = make_optics_memo(kSharedBytes);  // of names
     }
 
+    SceneLookUp look_up(std::size_t scene) {
+        return sweep::look_up(sweep_, scene, &control_.memo->names());
+    }
+
     /// @throws Error  for a scene that cannot be computed
-    void add(std::size_t scene) {
-        const Request request = request_of(sweep_, scene);
-        const Brdf brdf = solve(request.scene, sweep_.wavelength.numbers, request.solver, control_);
-        require_transmittance(sweep_, request);
+    void add(const SceneLookUp& found) {
+        const Brdf brdf = solve(found.request.scene, wavelengths_at(sweep_, found.wavelengths),
+                                found.request.solver, control_);
         const Directions directions = sweep_.directions();
         Plan plan;
         if (sweep_.wants_matrices_or_brdf()) {
@@ -73,32 +80,55 @@ class ScenePlans {
     double shared_s_ = 0.0, own_s_ = 0.0;
 };
 
+/// Calls `look` for scenes until the time is over, at least for one: those that were looked at are
+/// spread evenly, however many they are.
+void look_while(double budget_s, std::size_t scenes, const std::function<void(std::size_t)>& look) {
+    constexpr double golden = 0.6180339887498949;
+    auto step = std::max<std::size_t>(1, std::size_t(golden * double(scenes)));
+    while (std::gcd(step, scenes) != 1) ++step;
+    const double end = processor_s() + budget_s;
+    std::size_t scene = 0;
+    for (std::size_t i = 0; i < scenes && (i == 0 || processor_s() < end); ++i) {
+        look(scene);
+        scene = (scene + step) % scenes;
+    }
+}
+
 void look_at_scenes(const Sweep& sweep, double budget_s, const Control& control, SweepPlan& plan) {
     ScenePlans plans(sweep, control);
-    std::set<std::size_t> groups;
-    const double start = processor_s();
-    const auto look_at = [&](std::size_t scene) {
+    std::map<std::size_t, std::string> refusals;  // of scenes, in their order
+    const auto require_time = [&] {
         if (control.is_cancelled && control.is_cancelled()) throw Cancelled();
-        ++plan.looked_at;
-        groups.insert(scene / sweep.scenes_per_group());
-        try {
-            plans.add(scene);
-        } catch (const Cancelled&) {
-            throw;
-        } catch (const Error& error) {
-            if (++plan.refused <= kNamed)
-                plan.refusals.push_back(fmt::format("{}: {}", name_of(sweep, scene), error.what()));
-        }
     };
-    // The first tells how many there is time for; the rest are spread over all of them.
-    look_at(0);
-    const double each_s = std::max(processor_s() - start, 1e-6);
-    const double most = std::max(1.0, budget_s / each_s);
-    const auto step = std::size_t(std::max(1.0, std::ceil(double(plan.scenes - 1) / most)));
-    for (std::size_t scene = step; scene < plan.scenes; scene += step) look_at(scene);
+    look_while(0.5 * budget_s, plan.scenes, [&](std::size_t scene) {
+        require_time();
+        ++plan.looked_at;
+        const SceneLookUp found = plans.look_up(scene);
+        if (found.refusals.empty()) return;
+        ++(found.wavelengths.empty() ? plan.refused : plan.incomplete);
+        std::vector<std::size_t> places;
+        for (const Refusal& refusal : found.refusals)
+            places.insert(places.end(), refusal.wavelengths.begin(), refusal.wavelengths.end());
+        std::sort(places.begin(), places.end());
+        refusals[scene] = fmt::format(
+            "{}{}: {}", name_of(sweep, scene),
+            found.wavelengths.empty() ? "" : " at " + describe_wavelengths(sweep, places),
+            found.refusals.front().reason);
+        if (refusals.size() > kNamed) refusals.erase(std::prev(refusals.end()));
+    });
+    for (const auto& [scene, text] : refusals) plan.refusals.push_back(text);
 
+    std::set<std::size_t> groups;
+    std::size_t costed = 0;
+    look_while(0.5 * budget_s, plan.scenes, [&](std::size_t scene) {
+        require_time();
+        ++costed;
+        groups.insert(scene / sweep.scenes_per_group());
+        const SceneLookUp found = plans.look_up(scene);
+        if (!found.wavelengths.empty()) plans.add(found);
+    });
     plan.processor_seconds = plans.shared_s() * double(plan.groups) / double(groups.size()) +
-                             plans.own_s() * double(plan.scenes) / double(plan.looked_at);
+                             plans.own_s() * double(plan.scenes) / double(costed);
 }
 
 }  // namespace

@@ -108,3 +108,26 @@ TEST_CASE("bad samples are refused with what was allowed", "[sweep][errors]") {
     CHECK_THROWS_WITH(sweep::sobol_samples(0, {{"a"}}), Contains("1 to 1000000"));
     CHECK_THROWS_WITH(sweep::sobol_samples(5, {}), Contains("1 to 1000"));
 }
+
+TEST_CASE("a step longer than its range is refused with what would work", "[sweep][errors]") {
+    // One scene came of it without a remark: first:last:count was meant.
+    CHECK_THROWS_WITH(sweep::parse_axis("x", "0:0.3:7"),
+                      Contains("step of 7") && Contains("0.03") && Contains("0:0.3:7 linear"));
+    CHECK_THROWS_WITH(sweep::parse_axis("wavelength_nm", "400:700:1000"), Contains("step of 1000"));
+    CHECK(sweep::parse_axis("x", "0:0.3:7 linear").size() == 7);
+    CHECK(sweep::parse_axis("x", "2:2:7").numbers == std::vector<double>{2});
+    CHECK(sweep::parse_axis("x", "0:7:7").numbers == std::vector<double>{0, 7});
+}
+
+TEST_CASE("derivatives have the unit of the value over that of the parameter", "[sweep]") {
+    // Grammar of UDUNITS: exponents behind the unit, products by blanks.
+    CHECK(sweep::quotient_of_units("1", "um") == "um-1");
+    CHECK(sweep::quotient_of_units("sr-1", "um") == "sr-1 um-1");
+    CHECK(sweep::quotient_of_units("1", "kg m-2") == "kg-1 m2");
+    CHECK(sweep::quotient_of_units("1", "m-1") == "m");
+    CHECK(sweep::quotient_of_units("1", "m2") == "m-2");
+    CHECK(sweep::quotient_of_units("1", "1e-9") == "1e9");
+    CHECK(sweep::quotient_of_units("1", "m2/kg") == "(m2/kg)-1");
+    CHECK(sweep::quotient_of_units("1", "") == "1");
+    CHECK(sweep::quotient_of_units("sr-1", "1") == "sr-1");
+}

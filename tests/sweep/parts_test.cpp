@@ -175,6 +175,113 @@ TEST_CASE("a plan counts everything, and names the scenes that cannot be compute
     CHECK_THAT(plan.refusals[0], Contains("scene 4 (a = 1.5, g = 0)") && Contains("[0, 1]"));
 }
 
+namespace {
+
+/// Log-normal ice beyond what averages over sizes take (size parameters to 1e5) at short
+/// wavelengths, or at all of them.
+constexpr char kLargeIce[] = R"(outputs = ["plane_albedo"]
+chunk = 3
+[scene]
+base = "H2O_ice,radius={radius_um},variance=0.2,distribution=log-normal"
+tolerance = 1e-2
+[axes]
+radius_um = [300, 1000, 3000]
+mu_in = [0.5]
+wavelength_nm = [350, 900]
+)";
+
+}  // namespace
+
+TEST_CASE("a plan finds the scenes that sizes make impossible, and those that lack wavelengths",
+          "[sweep]") {
+    const support::TemporaryFolder folder;
+    Work work(folder, "work", kLargeIce);
+    const auto plan = sweep::plan_sweep(work.sweep, work.layout, 10.0, Control());
+    CHECK(plan.looked_at == 3);
+    CHECK(plan.refused == 1);
+    CHECK(plan.incomplete == 1);
+    REQUIRE(plan.refusals.size() == 2);
+    CHECK_THAT(plan.refusals[0],
+               Contains("scene 1 (radius_um = 1000) at 350 nm") && Contains("size parameters"));
+    CHECK_THAT(plan.refusals[1], Contains("scene 2 (radius_um = 3000): medium"));
+    work.run();
+    const auto report = work.write();
+    CHECK(report.failed == plan.refused);
+    CHECK(report.incomplete == plan.incomplete);
+    CHECK(report.not_converged == 0);
+    CHECK_THAT(report.first_remark, Contains("failed at 350 nm"));
+}
+
+TEST_CASE("a wavelength that cannot be computed leaves the others of its scene", "[sweep]") {
+    const support::TemporaryFolder folder;
+    Work work(folder, "work", kLargeIce);
+    work.run();
+    const auto results = work.parts.read(work.parts.chunks()[0]);
+    REQUIRE(results);
+    const auto& partial = (*results)[1];
+    CHECK(std::isnan(partial.values[0]));
+    CHECK(partial.missing_wavelengths == 1);
+    CHECK_FALSE(partial.converged);
+    CHECK(partial.error_estimate <= 1e-2);
+    // The same bits as of a scene of this wavelength alone.
+    const auto alone = solve({.base = medium("H2O_ice,radius=1000,variance=0.2,"
+                                             "distribution=log-normal")},
+                             {900}, {.tolerance = 1e-2})
+                           .albedo({0.5});
+    CHECK(partial.values[1] == alone.plane_albedo[0][0]);
+}
+
+TEST_CASE("a derivative without a bound leaves the values of its scene", "[sweep][derivatives]") {
+    // A half-space that absorbs nothing returns everything; its derivative by the albedo is
+    // infinite.
+    const support::TemporaryFolder folder;
+    Work work(folder, "work", R"(outputs = ["spherical_albedo"]
+derivatives = ["a"]
+[scene]
+base = "isotropic:{a}"
+tolerance = 1e-2
+[axes]
+a = [0.5, 1]
+wavelength_nm = [500, 600]
+)");
+    work.run();
+    const auto results = work.parts.read(work.parts.chunks()[0]);
+    REQUIRE(results);
+    const auto& all = (*results)[1];
+    CHECK(std::abs(all.values[0] - 1.0) <= 1e-12);
+    CHECK(std::isnan(all.values[2]));
+    CHECK_THAT(all.remark, Contains("no derivatives at 500, 600 nm"));
+    CHECK(std::isfinite((*results)[0].values[2]));
+}
+
+TEST_CASE("derivatives by sizes that scenes share are those of each scene alone",
+          "[sweep][derivatives]") {
+    // The second scene finds the differences of spheres that the first one computed.
+    const support::TemporaryFolder folder;
+    Work work(folder, "work", R"(outputs = ["plane_albedo"]
+derivatives = ["radius_um"]
+[scene]
+base = "SiO2,radius={radius_um},variance=0.1,volume=10% + carbon,radius=0.1,volume={share}"
+tolerance = 1e-2
+[axes]
+radius_um = [0.5]
+share = [0.001, 0.002]
+mu_in = [0.5]
+wavelength_nm = [500]
+)");
+    CHECK(work.sweep.scenes_per_group() == 2);
+    work.run();
+    const auto results = work.parts.read(work.parts.chunks()[0]);
+    REQUIRE(results);
+    for (const std::size_t scene : {0, 1}) {
+        const auto request = sweep::request_of(work.sweep, scene);
+        const auto alone =
+            solve(request.scene, {500}, request.solver).derivatives({"radius_um"}).albedo({0.5});
+        CHECK((*results)[scene].values[0] == alone.values.plane_albedo[0][0]);
+        CHECK((*results)[scene].values[1] == alone.derivatives[0].plane_albedo[0][0]);
+    }
+}
+
 TEST_CASE("the script for Slurm computes shares and merges them", "[sweep]") {
     const std::string script = sweep::slurm_script("my sweep.toml", "it's.nc", 16);
     CHECK_THAT(script, Contains("#SBATCH --array=1-16") && Contains("--part") &&

@@ -77,6 +77,7 @@ Table plan_table(const sweep::SweepPlan& plan) {
     add("memory, at most", std::ceil(plan.memory_bytes / 1e6), "MB");
     add("scenes looked at", double(plan.looked_at), "");
     add("scenes of these that cannot be computed", double(plan.refused), "");
+    add("scenes of these that lack wavelengths", double(plan.incomplete), "");
     add("processor time of the sweep", rounded(plan.processor_seconds, 2), "s");
     add("processors", double(plan.processors), "");
     add("time on them", rounded(plan.processor_seconds / double(plan.processors), 2), "s");
@@ -89,26 +90,33 @@ Table plan_table(const sweep::SweepPlan& plan) {
 }
 
 int tell_report(const sweep::TableReport& report, const std::string& table, const Shell& shell) {
-    shell.note(fmt::format("{}: {} scenes, {} failed, {} not converged, error estimate {:.2g}",
-                           table, report.scenes, report.failed, report.not_converged,
-                           report.error_estimate));
+    shell.note(fmt::format(
+        "{}: {} scenes, {} failed, {} incomplete, {} not converged, error estimate {:.2g}", table,
+        report.scenes, report.failed, report.incomplete, report.not_converged,
+        report.error_estimate));
     if (!report.first_remark.empty())
         shell.note(fmt::format("the first of these: {}", report.first_remark));
     Table files;
-    files.columns = {"file", "scenes", "failed", "not_converged", "error_estimate"};
+    files.columns = {"file", "scenes", "failed", "incomplete", "not_converged", "error_estimate"};
     files.rows.push_back({table, double(report.scenes), double(report.failed),
-                          double(report.not_converged), report.error_estimate});
+                          double(report.incomplete), double(report.not_converged),
+                          report.error_estimate});
     shell.tell_written(std::move(files));
-    if (report.failed > 0) {
+    const std::size_t lack_values = report.failed + report.incomplete;
+    if (lack_values > 0) {
+        const std::string what =
+            report.incomplete == 0 ? "have no values"
+            : report.failed == 0
+                ? "lack some wavelengths"
+                : fmt::format("have no values or ({}) lack some wavelengths", report.incomplete);
         shell.set_advice(fmt::format(
-            "{} of {} scenes could not be computed and have no values; 'remark' in the table says "
-            "why{}",
-            report.failed, report.scenes,
+            "{} of {} scenes could not be computed and {}; 'remark' in the table says why{}",
+            lack_values, report.scenes, what,
             report.not_converged > 0
                 ? fmt::format("; {} others are above the tolerance", report.not_converged)
                 : ""));
     }
-    return report.failed + report.not_converged == 0 ? kGood : kNotConverged;
+    return lack_values + report.not_converged == 0 ? kGood : kNotConverged;
 }
 
 /// Moves a finished table out of the folder of parts, where whatever a killed run leaves of one is

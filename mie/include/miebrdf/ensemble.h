@@ -156,6 +156,11 @@ struct EnsembleOptics {
 EnsembleOptics average_over_sizes(const EnsembleRequest& request,
                                   const Executor& run = run_in_order);
 
+/// Refuses what average_over_sizes would refuse before its first sphere. @throws UsageError
+void require_average(const EnsembleRequest& request);
+/// Likewise of average_matrix.
+void require_matrix(const EnsembleRequest& request);
+
 /// P at single angles.
 struct PhaseValues {
     std::vector<double> phase;  ///< mean over the sphere = 1
