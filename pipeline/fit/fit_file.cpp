@@ -59,7 +59,7 @@ class FitFile : TomlFile {
         if (const auto flag = node.value_exact<bool>()) return *flag ? "true" : "false";
         if (const auto text = node.value_exact<std::string>()) {
             at(node, [&] { gaps_in(*text); });
-            return *text;
+            return with_files_in(*text, folder_);
         }
         const auto number = node.value<double>();
         if (!number) refuse(node, "a number, a text or a list of them");

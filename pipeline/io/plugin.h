@@ -1,12 +1,17 @@
 // Plug-ins: shared modules of ours around libraries that few requests need and that take long to
 // load (libnetcdf and librsvg bring 40 others each). Opened when asked for, not when the program
 // starts; looked for where the RPATH of the program or the Python module says (miebrdf_plugin and
-// miebrdf_finds_plugins in tools/cmake/MiebrdfLibrary.cmake).
+// miebrdf_finds_plugins in tools/cmake/MiebrdfLibrary.cmake), without /proc too.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace miebrdf {
+
+/// The file of the program that this process runs, by /proc; where there is none, in a root of its
+/// own say, as it was started. Empty: not known.
+std::filesystem::path program_file();
 
 /// Whether it can be opened, with every library that it needs. @param plugin  "netcdf"
 bool has_plugin(const std::string& plugin);

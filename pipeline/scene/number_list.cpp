@@ -224,8 +224,7 @@ double parse_wavelength_nm(std::string_view text) {
         return materials::parse_wavelength_nm(text);
     } catch (const UsageError& error) {
         throw UsageError(
-            fmt::format("{}; write 550, 550nm, 0.55um, 5500A, 2.25eV, a range 400:700:10 or rgb",
-                        error.what()));
+            fmt::format("{}; write 550, 550nm, 0.55um, 5500A or 2.25eV", error.what()));
     }
 }
 

@@ -203,8 +203,13 @@ class SceneFile {
         const auto where = [&](const Error& error) {
             return located(node.source(), fmt::format("{}: {}", result, error.what()));
         };
+        std::vector<WordValue> found = values;
+        for (WordValue& value : found) {
+            if (auto* text = std::get_if<std::string>(&value))
+                *text = with_files_in(*text, std::filesystem::path(path_).parent_path().string());
+        }
         try {
-            apply(*find_scene_word(key), values, request);
+            apply(*find_scene_word(key), found, request);
         } catch (const UsageError& error) {
             throw UsageError(where(error));
         } catch (const InputError& error) {

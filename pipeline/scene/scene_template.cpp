@@ -35,7 +35,8 @@ std::vector<std::string> gaps_in(const std::string& text) {
     return names;
 }
 
-void apply(const TemplateWord& word, const TextOfName& text_of_name, Request& request) {
+void apply(const TemplateWord& word, const TextOfName& text_of_name, Request& request,
+           const std::string& folder) {
     const SceneWord& known = *find_scene_word(word.name);
     std::vector<WordValue> values;
     for (const WordValue& value : word.values) {
@@ -44,7 +45,7 @@ void apply(const TemplateWord& word, const TextOfName& text_of_name, Request& re
             values.push_back(value);
             continue;
         }
-        const std::string whole = filled(*text, text_of_name);
+        const std::string whole = with_files_in(filled(*text, text_of_name), folder);
         if (known.kind == WordKind::flag && (whole == "true" || whole == "false")) {
             values.emplace_back(whole == "true");
         } else if (!whole.empty()) {

@@ -29,7 +29,9 @@ std::vector<std::string> gaps_in(const std::string& text);
 using TextOfName = std::function<std::string(const std::string& name)>;
 
 /// Sets what the word says once its gaps are filled; an empty text says nothing (no coat).
+/// @param folder  of the file that has the word (with_files_in); empty: none
 /// @throws UsageError, InputError  as apply() of scene_words.h
-void apply(const TemplateWord& word, const TextOfName& text_of_name, Request& request);
+void apply(const TemplateWord& word, const TextOfName& text_of_name, Request& request,
+           const std::string& folder = {});
 
 }  // namespace miebrdf

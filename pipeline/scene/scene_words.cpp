@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <string_view>
 
 #include <miebrdf/error.h>
 #include "pipeline/scene/named_numbers.h"
@@ -74,6 +79,36 @@ const SceneWord* find_scene_word(std::string_view name) {
 
 void apply(const SceneWord& word, std::span<const WordValue> values, Request& request) {
     word.set(word, without_names(word, values, request.scene), request);
+}
+
+std::string with_files_in(const std::string& text, const std::string& folder) {
+    static constexpr std::string_view kBefore[] = {
+        "hg:", "moments:", "matrix:", "scattering:", "paste:", "lambert:", "sizes:", "sizes="};
+    if (folder.empty()) return text;
+    std::string found;
+    std::size_t at = 0;
+    while (at < text.size()) {
+        const std::string_view rest = std::string_view(text).substr(at);
+        const bool begins = at == 0 || !std::isalnum(static_cast<unsigned char>(text[at - 1]));
+        const auto* before =
+            std::find_if(std::begin(kBefore), std::end(kBefore),
+                         [&](std::string_view words) { return begins && rest.starts_with(words); });
+        if (before == std::end(kBefore)) {
+            found += text[at++];
+            continue;
+        }
+        found += *before;
+        at += before->size();
+        std::size_t end = text.find_first_of(",@", at);
+        for (const char* after : {" + ", " in "}) end = std::min(end, text.find(after, at));
+        const std::string name = trimmed_text(text.substr(at, end - at));
+        const std::filesystem::path file = std::filesystem::path(folder) / name;
+        std::error_code unreadable;
+        const bool is_there = !name.empty() && std::filesystem::is_regular_file(file, unreadable);
+        found += is_there ? file.string() : text.substr(at, end - at);
+        at = std::min(end, text.size());
+    }
+    return found;
 }
 
 std::string text_of(const WordValue& value) {

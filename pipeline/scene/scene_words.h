@@ -48,6 +48,11 @@ const SceneWord* find_scene_word(std::string_view name);
 /// @throws InputError  for a file that a medium names
 void apply(const SceneWord& word, std::span<const WordValue> values, Request& request);
 
+/// A word's text with the files that it names (`hg:FILE`, `lambert:FILE`, `sizes=FILE`, ...) looked
+/// for in this folder: where the folder has such a file its path is put in place, else the text
+/// stays. For the words of a file, whose paths are relative to it. @param folder  empty: no change
+std::string with_files_in(const std::string& text, const std::string& folder);
+
 /// The value as somebody would type it; numbers in the shortest form that reads back to the same.
 std::string text_of(const WordValue& value);
 

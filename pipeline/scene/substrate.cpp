@@ -66,9 +66,11 @@ Substrate substrate(const std::string& text) {
                              ? parse_number(value.substr(0, value.size() - 1), "albedo") / 100.0
                              : parse_number(value, "albedo")};
     } catch (const UsageError&) {
-        throw UsageError(fmt::format(
+        const std::string reason = fmt::format(
             "substrate '{}': '{}' is neither an albedo in [0, 1] (or 80%) nor a file that exists",
-            text, value));
+            text, value);
+        if (value.find_first_of("./\\") == std::string::npos) throw UsageError(reason);
+        throw InputError(reason);  // it is meant to be a file
     }
     check_albedo(ground.albedo.front(), "");
     return ground;

@@ -173,7 +173,7 @@ Request request_of(const Sweep& sweep, std::size_t scene) {
                               sweep.derivatives.end();
         return is_named ? fmt::format("{{{}={}}}", axis, word) : word;
     };
-    for (const TemplateWord& word : sweep.words) apply(word, word_of, request);
+    for (const TemplateWord& word : sweep.words) apply(word, word_of, request, sweep.folder);
     return request;
 }
 

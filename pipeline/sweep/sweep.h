@@ -78,6 +78,7 @@ struct Sweep {
     bool for_eradiate = false;         ///< layout of the table (eradiate.h)
     std::size_t scenes_per_chunk = 0;  ///< as the file says; 0: chosen
     std::string text = {};             ///< the file, for the provenance of tables
+    std::string folder = {};           ///< of the file: files in its words are looked for there
 
     std::size_t scenes() const;
     /// Scenes with the same place along the optical dimensions: they share Mie theory.

@@ -56,6 +56,7 @@ class SweepFile : TomlFile {
   private:
     SweepFile(const std::string& path, const std::string& text) : TomlFile(kKind, path, text) {
         sweep_.text = text;
+        sweep_.folder = std::filesystem::path(path).parent_path().string();
     }
 
     void read_layout() {

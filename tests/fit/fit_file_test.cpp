@@ -75,6 +75,29 @@ TEST_CASE("a fit file names scene, unknowns and measured values", "[fit]") {
     CHECK(std::abs(narrow.data[0].values[0].mu_in - 0.5) <= 1e-15);
 }
 
+TEST_CASE("files in words of a fit file lie beside it", "[fit]") {
+    const support::TemporaryFolder folder;
+    folder.write("grey.csv",
+                 "wavelength_nm,single_scattering_albedo,g\n400,0.9,0.5\n700,0.9,0.5\n");
+    folder.write("ground.csv", "wavelength_nm,albedo\n400,0.2\n700,0.2\n");
+    const FitProblem problem = read_fit_file(folder.write("fit.toml", R"([scene]
+coat = ["hg:grey.csv@{tau}", "isotropic:0.5 in index:1.5@1"]
+substrate = "lambert:ground.csv"
+[unknowns]
+tau = "1 in 0.1:10"
+[[measured]]
+values = [0.3, 0.3]
+wavelength_nm = [500, 600]
+quantity = "spherical_albedo"
+)"));
+    REQUIRE(problem.scene.size() == 2);
+    for (const SceneText& word : problem.scene) {
+        const bool is_coat = word.word == "coat";
+        CHECK(word.values[0] == (is_coat ? "hg:" + (folder / "grey.csv") + "@{tau}"
+                                         : "lambert:" + (folder / "ground.csv")));
+    }
+}
+
 TEST_CASE("what is wrong with a fit file is said with its place and what would help",
           "[fit][errors]") {
     const support::TemporaryFolder folder;

@@ -200,3 +200,27 @@ def test_spheres_broadcast_and_refuse():
         miebrdf.sphere(1.5, np.nan)
     with pytest.raises(miebrdf.UsageError, match="broadcast"):
         miebrdf.sphere(np.ones(2), np.ones(3))
+
+
+@pytest.mark.parametrize(
+    "words", ["hg:{}", "moments:{}", "matrix:{}", "scattering:{}", "paste:{}", "TiO2,sizes={}"]
+)
+def test_a_missing_file_is_an_input_error_in_every_call(words, tmp_path):
+    missing = str(tmp_path / "nosuch.csv")
+    for call in (
+        lambda: miebrdf.Scene(words.format(missing)),
+        lambda: miebrdf.Scene(substrate=f"lambert:{missing}", coats="hg:0.9,0.5@1"),
+        lambda: miebrdf.fit(missing),
+        lambda: miebrdf.check(missing),
+        lambda: miebrdf.read_measured(missing),
+    ):
+        with pytest.raises(miebrdf.InputError, match="nosuch"):
+            call()
+
+
+def test_messages_speak_of_arguments():
+    with pytest.raises(miebrdf.UsageError, match="^roughness: 9 ") as caught:
+        miebrdf.Scene("hg:0.9,0.5", roughness=9)
+    assert caught.value.field == "roughness"
+    with pytest.raises(miebrdf.UsageError, match="one or more, in nm"):
+        miebrdf.Scene("hg:0.9,0.5").solve([])

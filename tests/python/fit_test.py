@@ -72,7 +72,7 @@ def test_ctrl_c_gives_the_best_so_far():
 def test_wrong_problems_say_what_would_help():
     with pytest.raises(miebrdf.UsageError, match="outside its bounds"):
         miebrdf.fit(problem(unknowns={"w": "2 in 0:1", "g": "0 in -0.5:0.9"}))
-    with pytest.raises(miebrdf.UsageError, match="cannot be read"):
+    with pytest.raises(miebrdf.InputError, match="cannot be read"):
         miebrdf.fit("no such file.toml")
 
 
@@ -100,3 +100,11 @@ sigma = 0.01
     assert found["w"] == row["value"]
     assert found.standard_error("w") == row["standard_error"]
     assert math.isnan(found.values["wavelength_nm"][0])
+
+
+def test_mistakes_of_a_dict_have_no_lines_of_a_file():
+    with pytest.raises(miebrdf.UsageError) as caught:
+        miebrdf.fit({"scene": {"base": "hg:{w},0.8"}, "unknowns": {"w": "0.9 from 0.1:0.99"},
+                     "measured": [{"values": [0.4], "quantity": "spherical_albedo"}]})
+    assert "unknown 'w'" in str(caught.value)
+    assert "line" not in str(caught.value) and "fit file" not in str(caught.value)

@@ -101,6 +101,28 @@ wavelength_nm = 500
     refused("draw = {sobol = 5, seed = 3, a = \"0.2:0.6\", g = \"0:0.4\"}", "seed");
 }
 
+TEST_CASE("files in words and on axes of a sweep file lie beside it", "[sweep]") {
+    const support::TemporaryFolder folder;
+    const std::string head = "wavelength_nm,single_scattering_albedo,g\n";
+    folder.write("one.csv", head + "400,0.9,0.5\n700,0.9,0.5\n");
+    folder.write("two.csv", head + "400,0.8,0.5\n700,0.8,0.5\n");
+    const auto sweep =
+        sweep::read_sweep_file(folder.write("s.toml", R"(outputs = ["spherical_albedo"]
+[scene]
+base = "hg:{file}"
+[axes]
+file = ["one.csv", "two.csv"]
+wavelength_nm = 500
+)"));
+    for (const std::size_t scene : {0, 1}) {
+        const auto found = sweep::look_up(sweep, scene);
+        REQUIRE(found.refusals.empty());
+        const Scene numbers{.base = medium(scene == 0 ? "hg:0.9,0.5" : "hg:0.8,0.5")};
+        CHECK(solve(found.request.scene, {500}).albedo({}).spherical_albedo ==
+              solve(numbers, {500}).albedo({}).spherical_albedo);
+    }
+}
+
 TEST_CASE("mistakes of a sweep file are named before anything runs", "[sweep][errors]") {
     const support::TemporaryFolder folder;
     struct Mistake {

@@ -1,5 +1,6 @@
 // Sweeps and look-ups as their users type them.
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -205,4 +206,22 @@ TEST_CASE("sweeps refuse what they cannot do before they begin", "[sweep][progra
     const auto script = run_program("sweep " + file + " --sbatch 4 -o " + (folder / "t.csv"));
     CHECK_THAT(script.out, Contains("--array=1-4"));
     CHECK_FALSE(std::filesystem::exists(folder / "t.csv.parts"));
+}
+
+TEST_CASE("plug-ins are found without /proc", "[sweep][program]") {
+    // The loader asks /proc where $ORIGIN of the run path is; containers and roots of their own may
+    // have none.
+    const support::TemporaryFolder folder;
+    const std::string empty = folder / "empty";
+    std::filesystem::create_directory(empty);
+    const std::string hide = "unshare -rm sh -c 'mount --bind \"" + empty + "\" /proc && exec ";
+    if (!has_netcdf() || std::system((hide + "true' 2>/dev/null").c_str()) != 0) {
+        WARN("skipped: this needs unshare(1), the right to mount, and a build with NetCDF");
+        return;
+    }
+    const std::string file = folder.write("s.toml", kProgramSweep), table = folder / "t.nc";
+    const auto run = run_program("sweep " + file + " -o " + table, hide + "\"$0\" \"$@\"'");
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 0);
+    CHECK(std::filesystem::exists(table));
 }

@@ -58,6 +58,75 @@ TEST_CASE("a scene has no colour difference to itself, however it is said", "[pr
     CHECK(std::abs(brdf.number(1, "de76") - csv.number(0, "de76")) <= 1e-4);
 }
 
+TEST_CASE("tables of colours are references, row by row, under their own light",
+          "[program][colour]") {
+    const support::TemporaryFolder folder;
+    const std::string table = (folder.path() / "colours.csv").string();
+    // Tables have six decimals of Lab.
+    constexpr double kDecimals = 3e-6;
+    const std::string albedo =
+        "albedo --base index:1.6,0.05,radius=0.2 --mu-in 0.5,1 --wavelengths 400:700:20 ";
+    const std::string over = "albedo --over black,white --theta-in 0,60" + kPaint + " ";
+    const std::string brdf =
+        "brdf --base hg:0.9,0.5 --mu-in 0.5 --mu-out 0.3,0.9 --wavelengths 400:700:20 ";
+    for (const std::string& scene : {albedo, albedo + "--diffuse-fraction 0.3 ", over, brdf}) {
+        CAPTURE(scene);
+        support::run_ok(scene + "--colour d65,10 -o " + table);
+        const auto csv = answer(scene + "--colour d65,10 --reference " + table);
+        REQUIRE(csv.size() >= 2);
+        for (std::size_t row = 0; row < csv.size(); ++row)
+            CHECK(csv.number(row, "de76") <= kDecimals);
+        const auto other = support::run_program(scene + "--colour d50 --reference " + table);
+        CHECK(other.exit_code == 3);
+        CHECK_THAT(other.err, Catch::Contains("10-degree") && Catch::Contains("D50"));
+    }
+}
+
+TEST_CASE("Lab in CSV is a reference, of a drawdown one for each ground", "[program][colour]") {
+    // A grey of Y = 0.3 has L* = 116 cbrt(0.3) - 16 and a* = b* = 0 under any light.
+    const support::TemporaryFolder folder;
+    const std::string ground =
+        "albedo --substrate lambert:0.3 --coat isotropic:0@1e-9 --mu-in 1 --wavelengths 400:700:20 "
+        "--colour d65 --reference ";
+    const double grey = 116 * std::cbrt(0.3) - 16;
+    for (const char* names : {"L*,a*,b*", "sample,lab_l,lab_a,lab_b"}) {
+        const std::string sample = std::string(names).starts_with("sample") ? "grey," : "";
+        const std::string lab =
+            folder.write("lab.csv", std::string(names) + "\n" + sample + "50,3,4\n");
+        const auto csv = answer(ground + lab);
+        CHECK(std::abs(csv.number(0, "de76") - std::hypot(grey - 50, 5)) <= 1e-5);
+        CHECK(std::abs(csv.number(1, "de76") - std::hypot(grey - 50, 5)) <= 1e-5);
+    }
+    // Over black nothing comes back; the darker row is of the dark ground, whatever its place.
+    const std::string film =
+        "albedo --coat isotropic:0@1e-9 --wavelengths 400:700:20 --colour d65 ";
+    const std::string two = folder.write("two.csv", "lab_l,lab_a,lab_b\n60,0,0\n1,0,0\n");
+    const auto csv = answer(film + "--over black,lambert:0.3 --reference " + two);
+    REQUIRE(csv.size() == 4);
+    CHECK(std::abs(csv.number(0, "de76") - 1) <= 1e-5);
+    CHECK(std::abs(csv.number(3, "de76") - std::abs(grey - 60)) <= 1e-5);
+    const auto which = support::run_program(ground + two);
+    CHECK(which.exit_code == 3);
+    CHECK_THAT(which.err, Catch::Contains("which of its 2 colours"));
+}
+
+TEST_CASE("a drawdown is compared with spectra over both grounds", "[program][drawdown]") {
+    const support::TemporaryFolder folder;
+    const std::string scene = "albedo --over black,white --theta-in 0" + kPaint + " ";
+    const std::string table = (folder.path() / "spectra.csv").string();
+    support::run_ok(scene + "-o " + table);
+    const std::string file = folder.write(
+        "film.toml",
+        "coat = \"index:2.6,1e-4,radius=0.13,distribution=gamma,volume=15% in index:1.5@12um\"\n"
+        "substrate = \"black\"\n[[result]]\ncommand = \"albedo\"\n");
+    for (const std::string& reference : {table, file}) {
+        const auto csv = answer(scene + "--colour d65 --reference " + reference);
+        CAPTURE(reference);
+        REQUIRE(csv.size() == 4);
+        for (std::size_t row = 0; row < csv.size(); ++row) CHECK(csv.number(row, "de76") <= 1e-6);
+    }
+}
+
 TEST_CASE("a BRDF is compared with a table of it", "[program][colour]") {
     const support::TemporaryFolder folder;
     const std::string scene =
@@ -177,6 +246,7 @@ TEST_CASE("colours, grounds and skies that cannot be are refused with what is al
              {brdf + "--roughness 0.3 --surface-index 1.5 --quantity hdrf --diffuse-fraction 0.1",
               "reciprocal", 2},
              {base + "--over black,white", "--over", 2},
+             {"albedo --over black,white --diffuse-fraction 0.2" + kPaint, "--diffuse-fraction", 2},
              {"albedo --over black" + kPaint, "two", 2},
              {"albedo --over black,white,black" + kPaint, "3 grounds", 2},
              {"albedo --over black,grass" + kPaint, "grass", 2},

@@ -106,6 +106,8 @@ TEST_CASE("measured directions become a file for renderers, with their residual 
     const std::string list = folder.write("list.csv", text), out = folder / "made.csv";
     const auto run = support::run_ok("export --format csv --from " + list + " -o " + out);
     CHECK_THAT(run.err, Catch::Contains("interpolated from 60 measured values"));
+    // A Lambertian BRDF of 0.2 has the albedo 0.2 pi at measured incidences and below them.
+    CHECK_THAT(run.err, Catch::Contains("albedo 0.628 from mu_in 0.5 up, as measured; 0.628 with"));
     CHECK_THAT(support::read_file(out), Catch::Contains(list));
     const support::CsvOutput table(support::read_file(out));
     REQUIRE(table.size() > 100);

@@ -227,3 +227,12 @@ TEST_CASE("the option --color is --colour", "[program]") {
     CHECK(row(support::run_program(scene + "--color d65")) ==
           row(support::run_program(scene + "--colour d65")));
 }
+
+TEST_CASE("refusals of spheroids name the wavelength that was asked for", "[program][errors]") {
+    // 3141.59 nm is the wavelength of spheres that stand in for these.
+    const auto run = support::run_program(
+        "albedo --wavelengths 550 --mu-in 1 --base "
+        "index:1.5,0.01,radius=30,shape=spheroid,aspect=2,method=t-matrix");
+    CHECK(run.exit_code == 2);
+    CHECK_THAT(run.err, Catch::Contains("at 550 nm") && !Catch::Contains("3141.59"));
+}

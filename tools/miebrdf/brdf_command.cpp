@@ -153,7 +153,7 @@ void add_colour_derivatives(const ColourColumns& colours, Table& table,
 int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question,
                        const WithDerivatives<BrdfValues>& all, const Shell& shell) {
     const BrdfValues& values = all.values;
-    ReferenceSpectra reference;
+    ReferenceColours reference;
     if (!question.reference.empty())
         reference = reference_reflectances(question.reference, question, shell.control());
     ColourColumns colours(brdf.wavelength_nm(), *question.viewing, std::move(reference));
@@ -255,7 +255,7 @@ void add_spectra(Table& table, const WithDerivatives<AlbedoValues>& all,
 int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
                          const WithDerivatives<AlbedoValues>& all, const Shell& shell) {
     const AlbedoValues& values = all.values;
-    ReferenceSpectra reference;
+    ReferenceColours reference;
     if (!question.reference.empty())
         reference = reference_albedos(question.reference, question, shell.control());
     ColourColumns colours(brdf.wavelength_nm(), *question.viewing, std::move(reference));

@@ -24,9 +24,10 @@ constexpr double kLeastChroma = 1e-6;
 }  // namespace
 
 ColourColumns::ColourColumns(const std::vector<double>& wavelength_nm, const Viewing& viewing,
-                             ReferenceSpectra reference)
+                             ReferenceColours reference)
     : colorimeter_(wavelength_nm, viewing), reference_(std::move(reference)) {
-    if (reference_.empty()) return;
+    reference_labs_ = reference_.labs;
+    if (reference_.reflectance.empty()) return;
     const Colorimeter its(reference_.wavelength_nm, viewing);
     for (const std::vector<double>& spectrum : reference_.reflectance) {
         const Colour colour = its(spectrum);
@@ -86,8 +87,11 @@ void ColourColumns::add_facts(Table& table) const {
                                     "wavelength: an upper estimate of what the wavelengths leave)",
                                     largest_error_));
     if (reference_.empty()) return;
-    table.facts.emplace_back("reference", fmt::format("{}; its colour_error {:.2g} at most",
-                                                      reference_.title, reference_error_));
+    table.facts.emplace_back(
+        "reference",
+        reference_.labs.empty()
+            ? fmt::format("{}; its colour_error {:.2g} at most", reference_.title, reference_error_)
+            : fmt::format("{}; Lab as the file has it", reference_.title));
 }
 
 std::string ColourColumns::units() const {

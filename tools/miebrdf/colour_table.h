@@ -11,13 +11,14 @@
 
 namespace miebrdf::program {
 
-/// Spectral reflectances to be compared with, row by row of a table of colours.
-struct ReferenceSpectra {
-    std::string title;  ///< where they come from
-    std::vector<double> wavelength_nm;
-    std::vector<std::vector<double>> reflectance;  ///< [row][wavelength]
+/// What the rows of a table of colours are compared with.
+struct ReferenceColours {
+    std::string title = {};  ///< where they come from
+    std::vector<double> wavelength_nm = {};
+    std::vector<std::vector<double>> reflectance = {};  ///< [row][wavelength]
+    std::vector<Lab> labs = {};                         ///< [row], in place of spectra
 
-    bool empty() const { return reflectance.empty(); }
+    bool empty() const { return reflectance.empty() && labs.empty(); }
 };
 
 /// The rows of `albedo --colour`, or their derivatives: plane albedo at each mu_in, spherical
@@ -29,16 +30,20 @@ std::vector<std::vector<double>> spectra_of(const AlbedoValues& values,
 /// [row][wavelength]
 std::vector<std::vector<double>> spectra_of(const BrdfValues& values, BrdfPart part);
 
-/// The albedos that a file has for these rows: a scene file (.toml), whose first result's scene is
-/// solved at the question's wavelengths; a table that `albedo` has written; or a measured spectrum,
-/// which stands for every row (whatever read_measured() reads).
-/// @throws UsageError, InputError  for files that have none of that, or too few wavelengths
-ReferenceSpectra reference_albedos(const std::string& path, const AlbedoQuestion& question,
+/// The colours that a file has for the rows of `albedo --colour`, of `--over` those of the dark
+/// ground first: a scene file (.toml), whose first result's scene is solved at the question's
+/// wavelengths (and over its grounds); a table that `albedo` has written, of spectra or colours; or
+/// a measured spectrum or Lab, which stands for every row (whatever read_measured() reads, and CSV
+/// with the columns L*, a*, b* or lab_l, lab_a, lab_b). Over two grounds a file may have two, the
+/// darker one of the dark ground.
+/// @throws UsageError, InputError  for files that have none of that, too few wavelengths, or
+///         colours under another light
+ReferenceColours reference_albedos(const std::string& path, const AlbedoQuestion& question,
                                    const Control& control);
 /// Reflectances, pi times the BRDF, for the rows of `brdf --colour`: of a scene file, a file that
-/// `check` reads, or a spectrum.
+/// `check` reads, a table of `brdf --colour`, a spectrum or a Lab.
 /// @throws UsageError, InputError
-ReferenceSpectra reference_reflectances(const std::string& path, const BrdfQuestion& question,
+ReferenceColours reference_reflectances(const std::string& path, const BrdfQuestion& question,
                                         const Control& control);
 
 /// Columns x, y, z, lab, srgb, lch, colour_error; de76 and de2000 with a reference.
@@ -46,7 +51,7 @@ class ColourColumns {
   public:
     /// @param wavelength_nm  ascending
     ColourColumns(const std::vector<double>& wavelength_nm, const Viewing& viewing,
-                  ReferenceSpectra reference);
+                  ReferenceColours reference);
 
     void add_names(Table& table) const;
     /// Adds the cells of a reflectance to the last row; the n-th call is for row n.
@@ -63,7 +68,7 @@ class ColourColumns {
 
   private:
     Colorimeter colorimeter_;
-    ReferenceSpectra reference_;
+    ReferenceColours reference_;
     std::vector<Lab> reference_labs_;
     std::size_t row_ = 0;
     double largest_error_ = 0.0;

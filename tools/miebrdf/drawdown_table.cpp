@@ -60,7 +60,10 @@ int write_colours(const AlbedoQuestion& question, const Request& request, const 
     const Drawdown result = draw_down(request.scene, request.wavelength_nm, question.mu_in, options,
                                       request.solver, shell.control());
     for (const std::string& note : result.over_dark.notes) shell.note("note: " + note);
-    ColourColumns colours(request.wavelength_nm, options.viewing, {});
+    ReferenceColours reference;
+    if (!question.reference.empty())
+        reference = reference_albedos(question.reference, question, shell.control());
+    ColourColumns colours(request.wavelength_nm, options.viewing, std::move(reference));
     Table table;
     table.columns = {"over", "quantity", "mu_in"};
     colours.add_names(table);

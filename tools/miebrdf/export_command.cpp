@@ -195,6 +195,21 @@ std::optional<std::vector<ExportedFile>> write_files(const BrdfSource& source,
     }
 }
 
+/// The largest directional albedo of what was written, at all incidences, as `check` integrates it;
+/// empty: the format does not tell.
+std::optional<double> largest_albedo_of(const std::vector<ExportedFile>& files) {
+    std::optional<double> largest;
+    for (const ExportedFile& file : files) {
+        try {
+            const FileCheck check = check_file(file.path.string());
+            if (check.largest_albedo)
+                largest = std::max(largest.value_or(0.0), *check.largest_albedo);
+        } catch (const InputError&) {  // a file beside others, of another kind
+        }
+    }
+    return largest;
+}
+
 /// Measured directions as a file.
 int write_measured(const Measurements& measured, const ExportArguments& arguments,
                    const Shell& shell) {
@@ -204,19 +219,22 @@ int write_measured(const Measurements& measured, const ExportArguments& argument
     const InterpolatedBrdf brdf = interpolated_brdf(measured, provenance, shell.control());
     for (const std::string& doubt : measured.doubts) shell.note("doubt: " + doubt);
     for (const std::string& doubt : brdf.doubts) shell.note("doubt: " + doubt);
-    shell.note(
-        fmt::format("{}; worst of those left out {:+.2g} % at mu_in {:.3g}, mu_out {:.3g}, "
-                    "azimuth {:.4g}; largest directional albedo {:.3g}",
-                    brdf.source->provenance().accuracy, 100.0 * brdf.worst, brdf.where.mu_in,
-                    brdf.where.mu_out, brdf.where.azimuth_deg, brdf.largest_albedo));
     const auto files = write_files(*brdf.source, arguments, shell);
     if (!files) return kCheckFailed;
+    const std::optional<double> largest = largest_albedo_of(*files);
+    shell.note(fmt::format(
+        "{}; worst of those left out {:+.2g} % at mu_in {:.3g}, mu_out {:.3g}, azimuth {:.4g}; "
+        "largest directional albedo {:.3g} from mu_in {:.3g} up, as measured{}",
+        brdf.source->provenance().accuracy, 100.0 * brdf.worst, brdf.where.mu_in, brdf.where.mu_out,
+        brdf.where.azimuth_deg, brdf.largest_albedo, brdf.least_mu_in,
+        largest ? fmt::format("; {:.3g} with the extrapolated incidences below", *largest) : ""));
     Table table = table_of(*files);
     table.facts = {{"measured", measured.file},
                    {"values", double(brdf.values)},
                    {"residual_rms", rounded(brdf.residual_rms, 3)},
                    {"leave_one_out_rms", rounded(brdf.leave_one_out_rms, 3)},
-                   {"largest_albedo", rounded(brdf.largest_albedo, 4)}};
+                   {"largest_measured_albedo", rounded(brdf.largest_albedo, 4)}};
+    if (largest) table.facts.emplace_back("largest_albedo", rounded(*largest, 4));
     shell.tell_written(std::move(table));
     return kGood;
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include <miebrdf/error.h>
+#include "pipeline/io/plugin.h"
 #include "tools/miebrdf/commands.h"
 #include "tools/miebrdf/program.h"
 
@@ -21,9 +22,8 @@ constexpr char kBenchProgram[] = "miebrdf-bench";
 /// Its path beside this program or where both were installed; else the bare name, which execvp
 /// looks for along PATH.
 std::string bench_program() {
-    std::error_code unknown;  // without /proc only PATH is left
-    const fs::path here = fs::read_symlink("/proc/self/exe", unknown).parent_path();
-    if (!unknown) {
+    const fs::path here = program_file().parent_path();
+    if (!here.empty()) {
         for (const fs::path& file :
              {here / kBenchProgram, here / MIEBRDF_LIBEXEC_FROM_BIN / kBenchProgram}) {
             if (::access(file.c_str(), X_OK) == 0) return file.string();

@@ -15,6 +15,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/processor_path.h>
+#include "pipeline/io/plugin.h"
 #include "rte/math/compiled_for.h"
 
 namespace miebrdf::program {
@@ -81,9 +82,8 @@ std::string preloaded(const ProcessorPath& path) {
         preloaded(path) + (before != nullptr ? ":" + std::string(before) : "");
     ::setenv(kPreload, preload.c_str(), 1);
     ::setenv(kBegunAgain, before != nullptr ? before : "", 1);
-    std::error_code unknown;
-    const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
-    if (program.empty()) {  // no /proc, say in a root of its own: as a shell finds it
+    const fs::path program = program_file();
+    if (program.empty()) {  // as a shell finds it
         ::execvp(argv[0], argv);
     } else {
         ::execv(program.c_str(), argv);

@@ -214,8 +214,7 @@ AlbedoQuestion AlbedoArguments::parse() const {
     if (over_.empty()) return question;
     question.over = parse_grounds(over_);
     question.request.scene.substrate = question.over.front();
-    if (!question.reference.empty() || question.diffuse_fraction)
-        throw UsageError("--over goes without --reference and --diffuse-fraction");
+    if (question.diffuse_fraction) throw UsageError("--over goes without --diffuse-fraction");
     return question;
 }
 

@@ -18,8 +18,16 @@ namespace {
 /// knows besides. The classes are written in Python: they inherit from ValueError and the like.
 void raise(const char* name, const Error& error, py::dict facts = {}) {
     const py::object cls = py::module_::import("miebrdf.errors").attr(name);
-    const py::object instance = cls(error.what());
-    instance.attr("field") = error.field();
+    // As arguments of the package are called.
+    std::string text = error.what();
+    std::string field = error.field();
+    const std::string alpha = "beckmann_alpha";
+    if (field == alpha) {
+        field = "roughness";
+        if (text.starts_with(alpha)) text.replace(0, alpha.size(), field);
+    }
+    const py::object instance = cls(text);
+    instance.attr("field") = field;
     instance.attr("value") = error.value();
     instance.attr("allowed") = error.allowed();
     for (const auto& [key, fact] : facts) py::setattr(instance, key, fact);

@@ -6,6 +6,7 @@ import html
 import json
 import math
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import numpy as np
 
 from . import _core
 from ._options import Call, Progress
-from .errors import UsageError
+from .errors import Error, InputError, UsageError
 
 
 class Fit:
@@ -195,6 +196,10 @@ def _rounded(value: float, error: float) -> str:
     return f"{value:#.{max(digits, 2)}g}"
 
 
+#: What fit files say of a mistake in the text that a dict was made into.
+_PLACE = r"fit file 'problem', line \d+, column \d+: "
+
+
 def fit(
     problem: str | os.PathLike[str] | Mapping[str, Any],
     *,
@@ -245,10 +250,15 @@ def fit(
         try:
             text = path.read_text(encoding="utf-8")
         except OSError as error:
-            raise UsageError(f"fit file '{path}' cannot be read: {error.strerror}") from None
+            raise InputError(f"fit file '{path}' cannot be read: {error.strerror}") from None
         name, where = str(path), str(path.parent)
-    with Call(threads, progress) as options:
-        return Fit(_core.fit(text, where, name, starts, options))
+    try:
+        with Call(threads, progress) as options:
+            return Fit(_core.fit(text, where, name, starts, options))
+    except Error as error:
+        if isinstance(problem, Mapping):  # it has no lines
+            error.args = (re.sub(_PLACE, "", str(error)).replace("fit file 'problem'", "problem"),)
+        raise
 
 
 def _toml(problem: Mapping[str, Any]) -> str:

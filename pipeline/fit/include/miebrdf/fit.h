@@ -73,8 +73,8 @@ struct FitProblem {
     int most_iterations = 50;  ///< from each start, 1 to 10000
 };
 
-/// Reads a fit file (docs/fitting.md); names of measured files are relative to
-/// its folder.
+/// Reads a fit file (docs/fitting.md); names of measured files, and of files in words of its scene
+/// that are there, are relative to its folder.
 /// @throws UsageError, InputError  with file, line and column
 FitProblem read_fit_file(const std::string& path);
 /// The same from a text; `name` stands for the file in messages.
