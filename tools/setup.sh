@@ -6,7 +6,7 @@ say() { printf '\n== %s\n' "$*"; }
 packages_program=(g++ cmake ninja-build pkg-config libeigen3-dev libboost-dev libsqlite3-dev
                   libfmt-dev libtbb-dev nlohmann-json3-dev libcli11-dev
                   libtomlplusplus-dev libyaml-dev libsodium-dev libmuparser-dev librsvg2-dev
-                  libzip-dev libopenexr-dev libpugixml-dev zlib1g-dev libjs-three libnetcdf-dev libceres-dev
+                  libzip-dev libopenexr-dev libpugixml-dev zlib1g-dev libjs-three libnetcdf-dev libceres-dev libcpp-httplib-dev
                   python3-dev pybind11-dev python3-numpy)
 # Rendering is optional; its tests run only with these.
 packages_render=("${packages_program[@]}" libembree-dev libtinyobjloader-dev libpng-dev)

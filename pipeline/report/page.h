@@ -9,6 +9,9 @@ namespace miebrdf::report {
 /// @param data   PageBytes::compressed
 std::string make_page(const std::string& data, const std::string& title);
 
+/// The page of `miebrdf studio`: without numbers, which it asks the server for with this token.
+std::string make_studio_page(const std::string& token);
+
 /// Whether the page was built with three.js, which its views in 3D need; without it the sphere is
 /// drawn by the processor and the lobe is shown as a cut.
 bool page_has_3d();

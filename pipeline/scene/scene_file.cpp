@@ -165,6 +165,7 @@ class SceneFile {
                 continue;
             }
             result.words.push_back(key);
+            result.said.push_back(values);
             set(key, values, *node, fmt::format("result {} ({})", number, command.name),
                 result.request);
         }

@@ -42,6 +42,7 @@ struct SceneFileResult {
     std::string command;
     Request request;                 ///< from the words of the scene; all else as by default
     std::vector<std::string> words;  ///< those that were said
+    std::vector<std::vector<WordValue>> said = {};  ///< their values
     std::vector<SceneFileKey> keys;
     std::string text;  ///< all of it in one line: "albedo base=TiO2 mu-in=0.5,1"
 };

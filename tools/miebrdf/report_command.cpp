@@ -77,21 +77,6 @@ std::vector<NamedRequest> report_requests(const ReportArguments& arguments) {
     return all;
 }
 
-/// The page's text about a variant.
-report::Facts page_facts(const Scene& scene, const ResultReport& result,
-                         const std::string& command_line) {
-    Table table;
-    program::add_facts(table, result, scene,
-                       "BRDF in 1/sr without the cosine; wavelengths in nm, in vacuum");
-    report::Facts facts = {{"scene", describe(scene)}, {"command", command_line}};
-    for (const auto& [name, value] : table.facts) {
-        const auto* number = std::get_if<double>(&value);
-        facts.emplace_back(
-            name, number != nullptr ? fmt::format("{}", *number) : std::get<std::string>(value));
-    }
-    return facts;
-}
-
 report::ReportScene solve_family(const NamedRequest& named, const ReportArguments& arguments,
                                  const Shell& shell) {
     report::ReportScene scene{named.name, report::label_of(named.request.scene)};

@@ -89,4 +89,17 @@ std::string advice_on(const std::vector<std::string>& shortfalls) {
     return advice + "; all values are written. A larger --tolerance accepts it";
 }
 
+Facts page_facts(const Scene& scene, const ResultReport& result, const std::string& command_line) {
+    Table table;
+    add_facts(table, result, scene,
+              "BRDF in 1/sr without the cosine; wavelengths in nm, in vacuum");
+    Facts facts = {{"scene", describe(scene)}, {"command", command_line}};
+    for (const auto& [name, value] : table.facts) {
+        const auto* number = std::get_if<double>(&value);
+        facts.emplace_back(
+            name, number != nullptr ? fmt::format("{}", *number) : std::get<std::string>(value));
+    }
+    return facts;
+}
+
 }  // namespace miebrdf::program

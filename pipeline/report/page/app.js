@@ -12,7 +12,12 @@ const App = (() => {
   // A scene of the page; what belongs to one member of its family is read when it is shown.
   class Scene {
     constructor(data, index, store) {
-      Object.assign(this, { index, store, name: data.name, description: data.description, varied: data.varied,
+      this.index = index;
+      this.take(data, store);
+    }
+
+    take(data, store) {
+      Object.assign(this, { store, name: data.name, description: data.description, varied: data.varied,
         nm: data.wavelength_nm, illuminants: data.illuminants, variants: data.variants, read: [] });
     }
 
@@ -157,10 +162,9 @@ const App = (() => {
     Controls.slider(row, view, { key: 'lampPitch', label: 'Lamp down, up', min: -89, max: 89, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
     Controls.slider(row, view, { key: 'sky', label: 'Sky light', min: 0, max: 1, step: 0.05, text: (v) => `${Math.round(100 * v)} %` }, onControl);
     Controls.slider(row, view, { key: 'exposure', label: 'Exposure', min: -4, max: 4, step: 0.25, text: (v) => `${v > 0 ? '+' : ''}${v} EV`.replace('-', '−') }, onControl);
-    const mirror = scenes.some((s) => s.solved.lobe && s.solved.lobe.only_in_pictures);
-    $('picture-note').textContent = 'One distant lamp, no shadows cast, no light from one part to another. A white matt surface that faces the lamp is white at 0 EV; ' +
+    const noteOfPicture = () => 'One distant lamp, no shadows cast, no light from one part to another. A white matt surface that faces the lamp is white at 0 EV; ' +
       'light is multiplied by 2 to the power of the exposure, clipped and written as sRGB, without any other tone curve.' +
-      (mirror ? ' The lamp’s mirror image in a smooth boundary is drawn as a lobe of slope parameter 0.02; the values below are without it.' : '');
+      (scenes.some((s) => s.solved.lobe && s.solved.lobe.only_in_pictures) ? ' The lamp’s mirror image in a smooth boundary is drawn as a lobe of slope parameter 0.02; the values below are without it.' : '');
 
     // Values at directions.
     Controls.slider($('direction-controls'), view, { key: 'thetaOut', label: 'Angle of reflection', min: 0, max: 88, step: 1, text: degrees }, onControl);
@@ -246,7 +250,10 @@ const App = (() => {
         $('subtitle').replaceChildren(...scenes.map((s) => tag('span', {}, [s.name !== s.description ? `${s.name}: ${s.description}` : titled ? s.name : '',
           s.variant.label && `shown: ${s.variant.label}`].filter(Boolean).join('; '))));
       }
-      if (wanted.has('picture')) drawPicture();
+      if (wanted.has('picture')) {
+        $('picture-note').textContent = noteOfPicture();
+        drawPicture();
+      }
       drawMarkers();
       if (wanted.has('point')) {
         readouts.draw(scenes, view, light);
@@ -269,6 +276,15 @@ const App = (() => {
       }
     }
 
+    // The same scenes solved anew, at the same wavelengths.
+    function replace(again, store) {
+      Object.assign(root, again);
+      scenes.forEach((scene, i) => scene.take(again.scenes[i], store));
+      $('title').textContent = scenes.map((s) => s.name).join(' beside ');
+      for (const card of document.querySelectorAll('#objects h3, #lobes h3')) card.textContent = scenes[card.parentNode.dataset.scene].name;
+      changed(...parts.member);
+    }
+
     window.addEventListener('resize', () => changed('picture', 'mark'));
     const drawn = (async () => {
       draw('facts', 'picture');
@@ -276,7 +292,7 @@ const App = (() => {
       draw('point');
       drawWhatIsSeen();
     })();
-    return { drawn, drawAll, view, scenes, objects, changed, update, parts, lightOf, pictureWeights };
+    return { drawn, drawAll, view, scenes, objects, changed, update, parts, lightOf, pictureWeights, replace };
   }
 
   function chooseTheme() {
@@ -292,11 +308,15 @@ const App = (() => {
   async function start() {
     chooseTheme();
     try {
-      const three = document.getElementById('three').textContent;
-      const [library, { root, store }] = await Promise.all([three.trim() && Data.inflate(three, 'gzip'),
-        Data.load(document.getElementById('data').textContent)]);
+      const three = document.getElementById('three').textContent, live = typeof Studio !== 'undefined';
+      const [library, loaded] = await Promise.all([three.trim() && Data.inflate(three, 'gzip'),
+        live ? null : Data.load(document.getElementById('data').textContent)]);
       if (library) (0, eval)(new TextDecoder().decode(library));
-      const page = build(root, store);
+      if (live) {
+        await Studio.start();
+        return;
+      }
+      const page = build(loaded.root, loaded.store);
       await page.drawn;
       document.body.dataset.ready = Math.round(performance.now());
       if (typeof SelfTest !== 'undefined') await SelfTest.run(page);
@@ -310,5 +330,5 @@ const App = (() => {
     }
   }
 
-  return { start };
+  return { start, build, view, lightOf };
 })();

@@ -115,5 +115,3 @@ const SelfTest = (() => {
 
   return { run };
 })();
-
-App.start();

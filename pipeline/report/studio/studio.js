@@ -1,0 +1,444 @@
+// The studio: the words of the scene as fields and sliders, and a server that solves them
+// (docs/studio.md).
+const Studio = (() => {
+  'use strict';
+  const $ = (id) => document.getElementById(id), { tag } = Panels;
+  const tab = Math.random().toString(36).slice(2);
+  const SOON_MS = 250;  // after the last change, the real solution is asked for
+
+  const presets = [
+    ['White paint', { substrate: ['lambert:0.05'], coat: ['TiO2,radius=0.13,volume=15% in PMMA@40um'], boundary: ['smooth'], 'missing-k-zero': [true] }],
+    ['Haematite', { base: ['Fe2O3,radius=0.1'] }],
+    ['Snow with soot', { base: ['H2O_ice,radius=200 + soot_diesel,radius=0.1,density=1.3,mass=1000ppb'] }],
+    ['PTFE', { substrate: ['black'], coat: ['turbid:0.0005,150,0.9 in index:1.35@2mm'], boundary: ['smooth'] }],
+    ['Gold on rutile', { base: ['TiO2,radius=0.2'], coat: ['Au,radius=0.03@0.5'], roughness: ['0.3'] }],
+  ];
+
+  let model, page = null, formats = [], chosen = null;
+  let past = [], future = [];
+  let failed = null;  // the field of the last refusal
+
+  async function ask(path, body) {
+    const reply = await fetch(path, { method: 'POST', headers: { 'X-Studio-Token': StudioToken, 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
+    if (reply.ok) return reply;
+    let said = { error: `the studio answered ${reply.status}` };
+    try { said = await reply.json(); } catch { /* no text */ }
+    throw Object.assign(new Error(said.error), { status: reply.status, field: said.field });
+  }
+  const askJson = async (path, body) => (await ask(path, body)).json();
+
+  // Words of the command line and back. Layers from the bottom up.
+  function modelOf(words) {
+    const first = (name) => (words[name] || [''])[0], known = ['base', 'substrate', 'coat', 'roughness', 'boundary', 'wavelengths', 'tolerance'];
+    const split = (coat) => {
+      const at = coat.lastIndexOf('@');
+      return { words: coat.slice(0, at), depth: coat.slice(at + 1), on: true };
+    };
+    const more = Object.fromEntries(Object.entries(words).filter(([name]) => !known.includes(name)));
+    return { below: words.substrate ? 'substrate' : 'base', bottom: first('substrate') || first('base'), layers: (words.coat || []).map(split),
+      roughness: first('roughness'), boundary: first('boundary'), wavelengths: first('wavelengths') || '400:700:20', tolerance: first('tolerance') || '0.001', more };
+  }
+
+  function wordsOf(m) {
+    const words = { [m.below]: [m.bottom] }, on = m.layers.filter((l) => l.on);
+    if (on.length) words.coat = on.map((l) => `${l.words}@${l.depth}`);
+    for (const name of ['roughness', 'boundary', 'wavelengths', 'tolerance']) if (m[name] && m[name] !== '0') words[name] = [m[name]];
+    return { ...words, ...m.more };
+  }
+
+  // Numbers of a medium that have a slider: where they stand in its words, and between what.
+  const kinds = {
+    radius: { label: 'Radius', unit: 'µm', min: 0.01, max: 1000, log: true }, variance: { label: 'Variance', min: 0.005, max: 1, log: true },
+    volume: { label: 'Volume', min: 0.1, max: 70, log: true }, mass: { label: 'Mass', log: true }, number: { label: 'Number', log: true },
+    density: { label: 'Density', unit: 'g/cm³', min: 0.1, max: 20, log: true },
+  };
+  const lists = {
+    hg: [['Albedo', 0, 1], ['Asymmetry g', -0.99, 0.99]], isotropic: [['Albedo', 0, 1]], rayleigh: [['Albedo', 0, 1]], lambert: [['Albedo', 0, 1]],
+    index: [['n', 1, 4], ['k', 1e-9, 10, true]], turbid: [['Absorption', 1e-6, 100, true], ['Reduced scattering', 1e-3, 1e4, true], ['Asymmetry g', -0.99, 0.99]],
+  };
+  const NUMBER = '[-+]?(?:\\d+\\.?\\d*|\\.\\d+)(?:[eE][-+]?\\d+)?';
+  function numbersOf(words) {
+    const found = [];
+    const add = (at, text, kind, unit = '') => {
+      const value = Number(text);
+      const range = kind.min === undefined ? { min: value / 100, max: value * 100 } : { min: Math.min(kind.min, value), max: Math.max(kind.max, value) };
+      if (kind.log && !(value > 0)) return;
+      found.push({ ...kind, ...range, at, length: text.length, value, unit: unit || kind.unit || '' });
+    };
+    for (const m of words.matchAll(new RegExp(`(${Object.keys(kinds).join('|')})=(${NUMBER})(%|um|nm|mm|ppm|ppb|ppt)?`, 'g')))
+      add(m.index + m[1].length + 1, m[2], { ...kinds[m[1]], ...(m[1] === 'radius' && m[3] ? { min: undefined } : {}), ...(m[1] === 'volume' && m[3] !== '%' ? { min: 0.001, max: 0.7 } : {}) }, m[3]);
+    for (const m of words.matchAll(new RegExp(`\\b(${Object.keys(lists).join('|')}):(${NUMBER}(?:,${NUMBER})*)`, 'g'))) {
+      let at = m.index + m[1].length + 1;
+      m[2].split(',').forEach((text, i) => {
+        const of = lists[m[1]][i];
+        if (of) add(at, text, { label: of[0], min: of[1], max: of[2], log: of[3] });
+        at += text.length + 1;
+      });
+    }
+    return found.sort((a, b) => a.at - b.at);
+  }
+  const short = (value) => String(Number(value.toPrecision(3)));
+
+  // A slider, logarithmic where the thing is, with a field for its number.
+  function slider(parent, { label, unit, min, max, log, value }, changed) {
+    const box = tag('label', { class: 'control' }), head = tag('span', { class: 'label' }), name = tag('span', {}, unit ? `${label}, ${unit}` : label);
+    const number = tag('input', { type: 'text', class: 'number', inputmode: 'decimal', 'aria-label': name.textContent, value: short(value) });
+    const range = tag('input', { type: 'range', min: 0, max: 1, step: 0.002, 'aria-label': name.textContent });
+    const toShare = (v) => (log ? Math.log(v / min) / Math.log(max / min) : (v - min) / (max - min));
+    const fromShare = (s) => (log ? min * (max / min) ** s : min + s * (max - min));
+    range.value = toShare(value);
+    range.setAttribute('aria-valuetext', number.value);
+    range.addEventListener('input', () => {
+      number.value = short(fromShare(Number(range.value)));
+      range.setAttribute('aria-valuetext', number.value);
+      changed(number.value, false);
+    });
+    range.addEventListener('change', () => changed(number.value, true));
+    number.addEventListener('change', () => {
+      if (Number.isFinite(Number(number.value))) range.value = toShare(Number(number.value));
+      changed(number.value, true);
+    });
+    head.append(name, number);
+    box.append(head, range);
+    parent.append(box);
+  }
+
+  function mediumFields(card, owner, key, what) {
+    const input = tag('input', { type: 'text', spellcheck: 'false', autocomplete: 'off', value: owner[key], 'aria-label': what });
+    const sliders = tag('div');
+    const drawSliders = () => {
+      sliders.replaceChildren();
+      numbersOf(owner[key]).forEach((found, i) => slider(sliders, found, (text, done) => {
+        const now = numbersOf(owner[key])[i];
+        if (!now) return;
+        owner[key] = owner[key].slice(0, now.at) + text + owner[key].slice(now.at + now.length);
+        input.value = owner[key];
+        changed(done);
+      }));
+    };
+    input.addEventListener('focus', () => { chosen = { owner, key, input, drawSliders }; });
+    input.addEventListener('change', () => {
+      owner[key] = input.value.trim();
+      drawSliders();
+      changed(true);
+    });
+    card.append(input, sliders);
+    drawSliders();
+    if (!chosen) chosen = { owner, key, input, drawSliders };
+  }
+
+  function field(parent, owner, key, label, placeholder = '') {
+    const box = tag('label', { class: 'field' }, label), input = tag('input', { type: 'text', value: owner[key], placeholder, spellcheck: 'false' });
+    input.addEventListener('change', () => { owner[key] = input.value.trim(); changed(true); });
+    box.append(input);
+    parent.append(box);
+    return input;
+  }
+
+  function choice(parent, label, choices, value, chose) {
+    const box = tag('label', { class: 'field' }, label), select = tag('select', { style: 'width: 100%' });
+    for (const [key, text] of choices) select.add(new Option(text, key));
+    select.value = value;
+    select.addEventListener('change', () => chose(select.value));
+    box.append(select);
+    parent.append(box);
+  }
+
+  function button(text, title, does, disabled = false) {
+    const made = tag('button', { type: 'button', class: 'quiet', title, 'aria-label': title }, text);
+    made.disabled = disabled;
+    made.addEventListener('click', does);
+    return made;
+  }
+
+  function draw() {
+    chosen = null;
+    const stack = $('studio-layers');
+    stack.replaceChildren();
+    const surface = tag('div', { class: 'layer' });
+    surface.append(tag('span', { class: 'name' }, 'Surface'));
+    const kind = model.boundary ? (model.boundary.startsWith('rough') ? 'rough' : 'smooth') : model.roughness && model.roughness !== '0' ? 'opaque' : 'none';
+    choice(surface, 'What light meets first', [['none', 'nothing: bare particles'], ['smooth', 'smooth refracting boundary (varnish)'], ['rough', 'rough refracting boundary'], ['opaque', 'rough mirrors of the paper']], kind, (now) => {
+      model.boundary = now === 'smooth' ? 'smooth' : now === 'rough' ? 'rough:0.2' : '';
+      model.roughness = now === 'opaque' ? '0.3' : '';
+      changed(true);
+      draw();
+    });
+    if (kind === 'rough') slider(surface, { label: 'Slope parameter', min: 0.02, max: 1, log: true, value: parseFloat(model.boundary.slice(6)) || 0.2 }, (text, done) => {
+      model.boundary = model.boundary.replace(/^rough:[^,]*/, `rough:${text}`);
+      changed(done);
+    });
+    if (kind === 'opaque') slider(surface, { label: 'Slope parameter', min: 0.02, max: 1, log: true, value: parseFloat(model.roughness) || 0.3 }, (text, done) => {
+      model.roughness = model.roughness.replace(/^[^,]*/, text);
+      changed(done);
+    });
+    stack.append(surface);
+    for (let i = model.layers.length - 1; i >= 0; --i) {
+      const layer = model.layers[i], card = tag('div', { class: `layer${layer.on ? '' : ' off'}`, 'data-layer': i }), bar = tag('div', { class: 'bar' }), tools = tag('span', { class: 'tools' });
+      const on = tag('input', { type: 'checkbox', 'aria-label': `layer ${i + 1} is there` });
+      on.checked = layer.on;
+      on.addEventListener('change', () => { layer.on = on.checked; changed(true); draw(); });
+      const move = (by) => () => {
+        model.layers.splice(i + by, 0, model.layers.splice(i, 1)[0]);
+        changed(true);
+        draw();
+      };
+      tools.append(on, button('↑', `layer ${i + 1} up`, move(1), i === model.layers.length - 1), button('↓', `layer ${i + 1} down`, move(-1), i === 0),
+        button('×', `remove layer ${i + 1}`, () => { model.layers.splice(i, 1); changed(true); draw(); }));
+      bar.append(tag('span', { class: 'name' }, `Layer ${i + 1}`), tools);
+      card.append(bar);
+      mediumFields(card, layer, 'words', `medium of layer ${i + 1}`);
+      const depth = field(card, layer, 'depth', 'Depth: optical (0.5), or 40um, 2kg/m2, inf'), held = /^([0-9.eE+-]+)(.*)$/.exec(layer.depth);
+      if (held && Number(held[1]) > 0) slider(card, { label: held[2] && !held[2].startsWith('[') ? 'Thickness' : 'Optical depth', unit: held[2].replace(/^\[.*/, ''), min: Number(held[1]) / 100, max: Number(held[1]) * 100, log: true, value: Number(held[1]) }, (text, done) => {
+        layer.depth = text + held[2];
+        depth.value = layer.depth;
+        changed(done);
+      });
+      stack.append(card);
+    }
+    const bottom = tag('div', { class: 'layer', 'data-layer': 'bottom' });
+    bottom.append(tag('span', { class: 'name' }, 'Below everything'));
+    choice(bottom, 'What lies there', [['base', 'a medium, infinitely deep'], ['substrate', 'a ground: black, none, lambert:0.5, mirror:Al']], model.below, (now) => {
+      model.below = now;
+      model.bottom = now === 'base' ? 'TiO2,radius=0.2' : 'lambert:0.5';
+      changed(true);
+      draw();
+    });
+    mediumFields(bottom, model, 'bottom', model.below === 'base' ? 'medium of the base' : 'ground');
+    stack.append(bottom);
+    const method = $('studio-method');
+    method.replaceChildren();
+    field(method, model, 'wavelengths', 'Wavelengths, nm');
+    field(method, model, 'tolerance', 'Tolerance, of the largest value (1e-4 to 0.1)');
+    const others = { text: Object.entries(model.more).map(([name, values]) => values.map((v) => (v === true ? name : `${name}=${v}`)).join('; ')).join('; ') };
+    const input = field(method, others, 'text', 'Other words, with ; between them', 'host-index=1.33; missing-k-zero');
+    input.addEventListener('change', () => {
+      model.more = {};
+      for (const word of input.value.split(';').map((w) => w.trim()).filter(Boolean)) {
+        const at = word.indexOf('='), name = at < 0 ? word : word.slice(0, at);
+        model.more[name] = [...(model.more[name] || []), at < 0 ? true : word.slice(at + 1)];
+      }
+      changed(true);
+    });
+    $('studio-undo').disabled = !past.length;
+    $('studio-redo').disabled = !future.length;
+  }
+
+  // Every finished change is kept: here for undo, on the disk for tomorrow.
+  let last = '';
+  function changed(done) {
+    if (done) {
+      const now = JSON.stringify(model);
+      if (now !== last) {
+        past.push(last);
+        if (past.length > 200) past.shift();
+        future = [];
+        last = now;
+        save();
+      }
+      $('studio-undo').disabled = !past.length;
+      $('studio-redo').disabled = !future.length;
+    }
+    solve(!done);
+  }
+  function step(from, to) {
+    if (!from.length) return;
+    to.push(last);
+    last = from.pop();
+    model = JSON.parse(last);
+    draw();
+    save();
+    solve(false);
+  }
+  function save() {
+    const { lampYaw, lampPitch, yaw, pitch, object, exposure, sky, light, thetaIn, thetaOut, azimuth } = App.view;
+    askJson('/api/save', { words: wordsOf(model), view: { model, camera: { lampYaw, lampPitch, yaw, pitch, object, exposure, sky, light, thetaIn, thetaOut, azimuth } } }).catch(() => {});
+  }
+
+  // One request at a time while something is dragged; the server drops what a later one replaces.
+  let running = false, waiting = false, timer = 0, number = 0;
+  const latency = [];
+  function solve(preview) {
+    clearTimeout(timer);
+    if (!preview) {
+      send(false);
+      return;
+    }
+    timer = setTimeout(() => send(false), SOON_MS);
+    if (running) waiting = true;
+    else send(true);
+  }
+  async function send(preview) {
+    const mine = ++number, began = performance.now();
+    running = true;
+    status(preview ? '' : 'solving ...');
+    try {
+      const reply = await askJson('/api/solve', { words: wordsOf(model), preview, tab });
+      if (mine === number) {
+        await show(reply);
+        latency.push([preview, performance.now() - began]);
+        document.body.dataset.solved = mine;
+      }
+    } catch (error) {
+      if (mine === number && error.status !== 409) refuse(error);
+    }
+    if (mine !== number) return;
+    running = false;
+    if (waiting) {
+      waiting = false;
+      send(true);
+    }
+  }
+
+  const status = (text) => { if (text) $('studio-status').textContent = text; };
+  function refuse(error) {
+    failed = error.field || '';
+    $('studio-error').hidden = false;
+    $('studio-error').textContent = error.message || 'the studio does not answer: has it ended?';
+    status('the last scene that could be solved is shown');
+    document.body.dataset.refused = number;
+  }
+
+  const parts = ['controls', 'objects', 'picture-controls', 'readouts', 'difference', 'direction-controls', 'point-charts', 'lobe-controls', 'lobes', 'polar', 'albedo-charts', 'swatches', 'media-charts', 'facts'];
+  let shape = '';
+  async function show({ data, preview, seconds, shortfalls }) {
+    const { root, store } = await Data.load(data), scene = root.scenes[0];
+    $('studio-error').hidden = true;
+    document.body.classList.toggle('preview', preview);
+    const now = JSON.stringify([scene.wavelength_nm, Boolean(scene.illuminants)]);
+    if (page && now === shape) page.replace(root, store);
+    else {
+      parts.forEach((id) => $(id).replaceChildren());
+      page = App.build(root, store);
+      shape = now;
+      await page.drawn;
+      $('title').textContent = scene.name;
+      document.body.dataset.ready = Math.round(performance.now());
+    }
+    drawColours();
+    const poor = shortfalls.length ? `; not converged: ${shortfalls[0]}` : '';
+    status(`${preview ? 'preview' : 'solved'} in ${seconds < 1 ? `${Math.round(1e3 * seconds)} ms` : `${seconds.toFixed(1)} s`}${poor}`);
+  }
+
+  // Colours of diffuse light and of the lamp, to copy.
+  const ACESCG = [[0.613097, 0.339523, 0.04738], [0.070194, 0.916354, 0.013452], [0.020616, 0.10957, 0.869815]];  // of linear sRGB, Bradford
+  function drawColours() {
+    const box = $('studio-colours'), scene = page.scenes[0], light = scene.illuminants && App.lightOf(scene);
+    box.replaceChildren();
+    if (!light) return;
+    box.append(tag('h2', {}, 'Colour'));
+    for (const [name, spectrum] of [['diffuse light', Array.from(scene.spherical)], [`lamp at ${App.view.wholeThetaIn}°, all directions`, scene.plane.map((row) => row[App.view.wholeThetaIn])]]) {
+      const rgb = Colour.linear(light, spectrum), bytes = rgb.map((v) => Math.round(255 * Colour.encode(v)));
+      const fixed = (list, digits) => list.map((v) => v.toFixed(digits)).join(' ');
+      const list = tag('dl', { 'data-light': name.startsWith('diffuse') ? 'diffuse' : 'lamp' });
+      box.append(tag('span', { class: 'swatch', style: `background: ${Colour.css(rgb)}`, role: 'img', 'aria-label': `colour in ${name}` }), tag('p', { class: 'small' }, name), list);
+      const rows = [['Lab', fixed(Colour.lab(light, spectrum), 2)], ['sRGB', `#${bytes.map((b) => b.toString(16).padStart(2, '0')).join('')}`], ['linear', fixed(rgb, 4)],
+        ['ACEScg', fixed(ACESCG.map((row) => row.reduce((sum, m, i) => sum + m * rgb[i], 0)), 4)]];
+      for (const [key, text] of rows) list.append(tag('dt', {}, key), tag('dd', { 'data-key': key }, text), button('Copy', `copy ${key} of ${name}`, () => copy(text)));
+    }
+  }
+
+  async function copy(text) {
+    try {
+      await navigator.clipboard.writeText(text);
+      status('copied');
+    } catch {
+      const area = tag('textarea');
+      area.value = text;
+      document.body.append(area);
+      area.select();
+      document.execCommand('copy');
+      area.remove();
+    }
+  }
+
+  async function write() {
+    const kind = $('studio-kind').value;
+    status(`writing ${kind} ...`);
+    try {
+      const reply = await ask('/api/write', { words: wordsOf(model), kind });
+      const name = /filename="([^"]*)"/.exec(reply.headers.get('Content-Disposition') || '')?.[1] || kind;
+      const link = tag('a', { href: URL.createObjectURL(await reply.blob()), download: name });
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+      status(`${name} is written`);
+    } catch (error) {
+      refuse(error);
+    }
+  }
+
+  async function find() {
+    const text = $('studio-find').value.trim(), list = $('studio-found');
+    if (!text) {
+      list.replaceChildren();
+      return;
+    }
+    const { materials } = await askJson('/api/materials', { text });
+    if (text !== $('studio-find').value.trim()) return;
+    list.replaceChildren(...materials.map((m) => {
+      const one = tag('button', { type: 'button' });
+      one.append(tag('b', {}, m.name), ` ${m.title}, ${Math.round(m.from_nm)} to ${Math.round(m.to_nm)} nm${m.k_known ? '' : ', n alone'}`);
+      one.addEventListener('click', () => {
+        if (!chosen) return;
+        const { owner, key, input, drawSliders } = chosen;
+        // The first name of the words gives way; its sizes and amounts stay.
+        owner[key] = /^[A-Za-z_][\w]*(?=$|[,\s@])/.test(owner[key]) ? owner[key].replace(/^[\w]+/, m.name) : `${m.name},radius=0.2`;
+        input.value = owner[key];
+        drawSliders();
+        changed(true);
+      });
+      return one;
+    }));
+    if (!materials.length) list.append(tag('p', { class: 'small' }, `nothing is called '${text}'`));
+  }
+
+  async function start() {
+    document.body.classList.add('studio');
+    const state = await askJson('/api/state', {});
+    model = state.view?.model || modelOf(state.words);
+    if (state.view?.camera) Object.assign(App.view, state.view.camera);
+    formats = state.formats;
+    last = JSON.stringify(model);
+    for (const [key, text] of [['report', 'page that anybody can open'], ['albedo', 'albedo as CSV'], ...formats.map((f) => [f, `BRDF as ${f}`])]) $('studio-kind').add(new Option(text, key));
+    $('studio-preset').add(new Option('Begin with ...', ''));
+    presets.forEach(([name], i) => $('studio-preset').add(new Option(name, i)));
+    $('studio-preset').addEventListener('change', ({ target }) => {
+      if (target.value === '') return;
+      model = modelOf({ ...presets[target.value][1], wavelengths: [model.wavelengths] });
+      target.value = '';
+      draw();
+      changed(true);
+    });
+    $('studio-add').addEventListener('click', () => {
+      model.layers.push({ words: 'SiO2,radius=0.2', depth: '0.5', on: true });
+      draw();
+      changed(true);
+    });
+    $('studio-undo').addEventListener('click', () => step(past, future));
+    $('studio-redo').addEventListener('click', () => step(future, past));
+    document.addEventListener('keydown', (event) => {
+      if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== 'z' || /^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type === 'text') return;
+      event.preventDefault();
+      if (event.shiftKey) step(future, past);
+      else step(past, future);
+    });
+    $('studio-write').addEventListener('click', write);
+    $('studio-find').addEventListener('input', () => find().catch(refuse));
+    for (const each of document.querySelectorAll('[data-text]')) {
+      each.addEventListener('click', async () => {
+        try {
+          const texts = await askJson('/api/texts', { words: wordsOf(model) });
+          $('studio-text').hidden = false;
+          $('studio-text').textContent = texts[each.dataset.text];
+          await copy(texts[each.dataset.text]);
+        } catch (error) {
+          refuse(error);
+        }
+      });
+    }
+    draw();
+    await send(false);
+  }
+
+  return { start, latency, get model() { return model; }, get failed() { return failed; } };
+})();

@@ -1,0 +1,247 @@
+"""The studio's page in headless Chromium, by its debugging pipe: mouse, keyboard, reload, restart.
+
+    studio_browser.py MIEBRDF CHROMIUM [FOLDER for screenshots] [CHANGES to time]
+"""
+
+import base64
+import csv
+import json
+import math
+import os
+import pathlib
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+from studio_process import Studio, check, failures
+
+PROGRAM, CHROMIUM = sys.argv[1:3]
+PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+CHANGES = int(sys.argv[4]) if len(sys.argv) > 4 else 0
+ALLOWED = 1e-3  # of a value: the promise of the page's tables, of the largest at an incidence
+
+
+class Browser:
+    """The DevTools protocol over pipes: JSON, each message ended by a zero."""
+
+    def __init__(self, size):
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        to_read, self.to = os.pipe()
+        self.come_from, from_write = os.pipe()
+
+        def pipes():
+            os.dup2(to_read, 3)
+            os.dup2(from_write, 4)
+
+        # Both ends are moved above 4 first: dup2 of one would close the other.
+        to_read, from_write = (os.dup(os.dup(os.dup(fd))) if fd < 10 else fd for fd in (to_read, from_write))
+        self.process = subprocess.Popen(
+            [CHROMIUM, "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+             "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+             f"--user-data-dir={self.profile.name}", f"--window-size={size}", "--remote-debugging-pipe", "about:blank"],
+            preexec_fn=pipes, close_fds=False, stderr=subprocess.DEVNULL)
+        os.close(to_read)
+        os.close(from_write)
+        self.buffer, self.number, self.session, self.problems = b"", 0, None, []
+        target = self.send("Target.getTargets")["targetInfos"][0]["targetId"]
+        self.session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime"):
+            self.send(f"{domain}.enable")
+
+    def send(self, method, **parameters):
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.to, json.dumps(message).encode() + b"\0")
+        while True:
+            while b"\0" not in self.buffer:
+                got = os.read(self.come_from, 1 << 20)
+                if not got:
+                    raise SystemExit("the browser has ended")
+                self.buffer += got
+            text, self.buffer = self.buffer.split(b"\0", 1)
+            reply = json.loads(text)
+            if reply.get("method") == "Runtime.exceptionThrown":
+                self.problems.append(reply["params"]["exceptionDetails"].get("exception", {}).get("description", "?"))
+            if reply.get("id") == self.number:
+                if "error" in reply:
+                    raise SystemExit(f"{method}: {reply['error']}")
+                return reply["result"]
+
+    def run(self, script):
+        result = self.send("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in result:
+            raise SystemExit(f"{script}: {result['exceptionDetails']}")
+        return result["result"].get("value")
+
+    def wait(self, condition, what, seconds=60):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if self.run(f"Boolean({condition})"):
+                return True
+            time.sleep(0.02)
+        check(False, f"{what}: not within {seconds} s ({self.run('document.body.innerText.slice(0, 300)')!r})")
+        return False
+
+    def open(self, address):
+        self.send("Page.navigate", url=address)
+        self.wait("document.body && document.body.dataset.ready", "the page stands")
+
+    def key(self, key, code=0, modifiers=0):
+        for kind in ("keyDown", "keyUp"):
+            self.send("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code, modifiers=modifiers)
+
+    def click(self, selector):
+        x, y = self.run(f"(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}}); "
+                        "const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()")
+        for kind in ("mousePressed", "mouseReleased"):
+            self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    def type(self, selector, text):
+        self.click(selector)
+        self.run("document.activeElement.select()")
+        self.send("Input.insertText", text=text)
+        self.key("Enter", 13)
+        self.run("document.activeElement.blur()")
+
+    def size(self, width, height, scheme="light"):
+        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
+        self.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+
+    def picture(self, name):
+        if PICTURES:
+            time.sleep(0.3)
+            PICTURES.mkdir(exist_ok=True)
+            (PICTURES / f"{name}.png").write_bytes(base64.b64decode(self.send("Page.captureScreenshot")["data"]))
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+
+
+def solved(browser, what, does):
+    """Runs `does` and waits for the real solution that follows."""
+    before = browser.run("Number(document.body.dataset.solved || 0)")
+    does()
+    return browser.wait(f"Number(document.body.dataset.solved || 0) > {before} && !document.body.classList.contains('preview') "
+                        "&& document.getElementById('studio-status').textContent.startsWith('solved')", what)
+
+
+def table(*words):
+    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(done.stderr)
+    return list(csv.DictReader(line for line in done.stdout.splitlines() if not line.startswith("#")))
+
+
+def check_value(browser, scene, what):
+    """The value that is read on the page against the program's own."""
+    shown = float(browser.run("document.querySelector('[data-key=brdf]').dataset.value"))
+    lab = browser.run("document.querySelector('#studio-colours [data-light=diffuse] [data-key=Lab]').textContent")
+    view = browser.run("({...App.view})")
+    mu_in, mu_out = (math.cos(math.radians(view[k])) for k in ("thetaIn", "thetaOut"))
+    rows = table("brdf", *scene, "--wavelengths", str(view["wavelength"]), "--mu-in", repr(mu_in),
+                 "--mu-out", ",".join([repr(mu_out), "0.1", "0.3", "0.5", "0.95"]), "--azimuth", f"{view['azimuth']},90,180")
+    values = [float(r["brdf"]) for r in rows]
+    # Solved twice, at other directions: each to its tolerance.
+    worst = abs(shown - values[0]) / max(values)
+    check(worst <= 2 * ALLOWED, f"{what}: BRDF as in `brdf` ({worst:.1e} of the largest)")
+    colour = table("albedo", *scene, "--wavelengths", "400:700:20", "--colour", "d65", "--mu-in", "1")
+    row = next(r for r in colour if r["quantity"] == "spherical_albedo")
+    off = max(abs(float(a) - float(row[k])) for a, k in zip(lab.replace("−", "-").split(), ("lab_l", "lab_a", "lab_b")))
+    check(off <= 0.15, f"{what}: Lab as in `albedo --colour` ({off:.2f})")
+
+
+studio = Studio(PROGRAM)
+browser = Browser("1280,900")
+browser.size(1280, 900)
+browser.open(studio.address)
+gold = ["--base", "TiO2,radius=0.2", "--coat", "Au,radius=0.03@0.5", "--roughness", "0.3"]
+check_value(browser, gold, "the first scene")
+browser.picture("first")
+
+solved(browser, "a radius by its field", lambda: browser.type("[data-layer='0'] .control:nth-of-type(1) input.number", "0.05"))
+check(browser.run("Studio.model.layers[0].words") == "Au,radius=0.05", "the radius stands in the words")
+gold[3] = "Au,radius=0.05@0.5"
+check_value(browser, gold, "another radius")
+
+
+def turn():
+    browser.run("document.querySelector(\"[data-layer='bottom'] input[type=range]\").focus()")
+    for _ in range(5):
+        browser.key("ArrowRight", 39)
+
+
+solved(browser, "a slider by the keyboard", turn)
+radius = browser.run("Studio.model.bottom").split("radius=")[1]
+check(float(radius) > 0.2, f"the slider is turned by arrow keys (radius {radius})")
+gold[1] = f"TiO2,radius={radius}"
+check_value(browser, gold, "after the slider")
+
+before = browser.run("document.querySelector('[data-key=brdf]').dataset.value")
+browser.type("[data-layer='bottom'] input[type=text]", "TiO2,radius=-1")
+browser.wait("!document.getElementById('studio-error').hidden", "a wrong value is refused")
+said = browser.run("document.getElementById('studio-error').textContent")
+check("-1" in said and "allowed" in said, f"and why is said: {said[:90]}")
+check(browser.run("document.querySelector('[data-key=brdf]').dataset.value") == before, "the last good picture stays")
+browser.picture("refused")
+solved(browser, "undo", lambda: browser.click("#studio-undo"))
+check(browser.run("Studio.model.bottom") == gold[1] and browser.run("document.getElementById('studio-error').hidden"), "undo takes it back")
+solved(browser, "a layer is switched off", lambda: browser.click("[data-layer='0'] input[type=checkbox]"))
+check_value(browser, [gold[0], gold[1], *gold[4:]], "without the layer")
+solved(browser, "and on", lambda: browser.click("[data-layer='0'] input[type=checkbox]"))
+solved(browser, "a layer is added", lambda: browser.click("#studio-add"))
+check(browser.run("Studio.model.layers.length") == 2, "two layers")
+solved(browser, "and moved down", lambda: browser.click("[data-layer='1'] [aria-label='layer 2 down']"))
+check(browser.run("Studio.model.layers[1].words").startswith("Au"), "the gold lies on top now")
+solved(browser, "and removed", lambda: browser.click("[data-layer='0'] [aria-label='remove layer 1']"))
+
+browser.type("#studio-find", "haematite")
+browser.wait("document.querySelector('#studio-found button')", "materials are found")
+browser.run("document.querySelector(\"[data-layer='bottom'] input[type=text]\").focus()")
+solved(browser, "and one is taken", lambda: browser.click("#studio-found button"))
+check(browser.run("Studio.model.bottom").startswith("Fe2O3"), f"its name stands in the words ({browser.run('Studio.model.bottom')})")
+
+yaw = browser.run("(() => { App.view.lampYaw = 20; return App.view.lampYaw; })()")
+solved(browser, "a change after the lamp is moved", lambda: browser.type("[data-layer='0'] .control:nth-of-type(1) input.number", "0.04"))
+check(browser.run("App.view.lampYaw") == yaw, "camera and lamp stay")
+model = browser.run("JSON.stringify(Studio.model)")
+time.sleep(0.3)
+browser.open(studio.address)
+check(browser.run("JSON.stringify(Studio.model)") == model, "a page that is loaded anew has the scene")
+check(browser.run("App.view.lampYaw") == yaw, "and the lamp")
+studio.end(signal.SIGKILL)
+studio = Studio(PROGRAM, studio.state)
+browser.open(studio.address)
+check(browser.run("JSON.stringify(Studio.model)") == model, "so has a studio that was killed and started again")
+
+for width, height, scheme in [(1280, 900, "light"), (1280, 900, "dark"), (390, 844, "light")]:
+    browser.size(width, height, scheme)
+    browser.open(studio.address)
+    over = browser.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    check(over <= 0, f"{width} px, {scheme}: nothing stands over the edge ({over} px)")
+    browser.picture(f"{width}-{scheme}")
+names = browser.run("[...document.querySelectorAll('#studio input, #studio select, #studio button')].filter((e) => !(e.ariaLabel || e.textContent.trim() || e.labels?.length)).length")
+check(names == 0, f"everything that can be used has a name ({names} without)")
+check(not browser.problems, f"no script failed {browser.problems[:2]}")
+
+if CHANGES:
+    browser.size(1280, 900)
+    for what, layer, values in [("thickness", "[data-layer='0'] .field input", None), ("radius", "[data-layer='bottom'] .control input.number", (0.05, 0.5))]:
+        times = []
+        for k in range(CHANGES):
+            text = f"{0.3 + 0.005 * k:.4g}" if values is None else f"{values[0] + (values[1] - values[0]) * k / CHANGES:.4g}"
+            began = browser.run("performance.now()")
+            number = browser.run("Number(document.body.dataset.solved)")
+            browser.run(f"(() => {{ const e = document.querySelector({json.dumps(layer)}); e.value = '{text}'; e.dispatchEvent(new Event('change')); }})()")
+            browser.wait(f"Number(document.body.dataset.solved) > {number}", "solved")
+            times.append(browser.run("performance.now()") - began)
+        times.sort()
+        print(f"{what}: median {statistics.median(times):.0f} ms, 95 % {times[int(0.95 * len(times))]:.0f} ms of {CHANGES}")
+browser.close()
+studio.end()
+sys.exit(1 if failures else 0)

@@ -1,0 +1,147 @@
+"""What `miebrdf studio` answers, and to whom.
+
+    studio_server.py MIEBRDF [CHROMIUM]
+"""
+
+import json
+import os
+import pathlib
+import random
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+from studio_process import Studio, check, failures
+
+PROGRAM = sys.argv[1]
+FUZZED = 300
+SCENE = {"base": ["TiO2,radius=0.2"], "coat": ["Au,radius=0.03@0.5"], "wavelengths": ["450:650:50"]}
+
+studio = Studio(PROGRAM)
+
+# Who is answered.
+check(studio.ask("GET", f"/?token={studio.token}", token=False)[0] == 200, "the address opens the page")
+for name, path, headers in [("no token", "/", {}), ("a wrong token", "/?token=" + 32 * "0", {}),
+                            ("a part of the token", f"/?token={studio.token[:31]}", {})]:
+    status, _, body = studio.ask("GET", path, headers=headers, token=False)
+    check(status == 403 and studio.token.encode() not in body, f"{name}: 403, and no page")
+check(studio.ask("POST", "/api/state", "{}", token=False)[0] == 403, "a request without the token: 403")
+check(studio.ask("POST", f"/api/state?token={studio.token}", "{}", token=False)[0] == 403,
+      "a token in the address is for the page alone: 403")
+for host in ("evil.example", f"evil.example:{studio.port}", "127.0.0.1", f"127.0.0.1:{studio.port}.evil.example"):
+    check(studio.ask("POST", "/api/state", "{}", {"Host": host})[0] == 403, f"host {host} (a name bound anew): 403")
+for origin in ("http://evil.example", "null", f"https://127.0.0.1:{studio.port}"):
+    check(studio.ask("POST", "/api/state", "{}", {"Origin": origin})[0] == 403, f"origin {origin}: 403")
+check(studio.ask("POST", "/api/state", "{}", {"Origin": f"http://127.0.0.1:{studio.port}"})[0] == 200, "its own origin is answered")
+_, headers, page = studio.ask("GET", f"/?token={studio.token}")
+check("connect-src 'self'" in headers["Content-Security-Policy"] and "default-src 'none'" in headers["Content-Security-Policy"],
+      "the page may speak to nobody else")
+check(headers["Cache-Control"] == "no-store" and headers["Referrer-Policy"] == "no-referrer", "the token stays in no cache and no referrer")
+try:
+    outside = socket.gethostbyname(socket.gethostname())
+except OSError:
+    outside = "127.0.0.1"
+if not outside.startswith("127."):
+    with socket.socket() as other:
+        other.settimeout(5)
+        check(other.connect_ex((outside, studio.port)) != 0, f"nobody listens at {outside}")
+again = subprocess.run([PROGRAM, "studio", "--no-open", "--port", str(studio.port)], capture_output=True, text=True, timeout=20)
+check(again.returncode == 2 and str(studio.port) in again.stderr, "a port that is taken: exit code 2, and which")
+
+# Requests that are wrong.
+for path in ("/etc/passwd", "/../../etc/passwd", "/api", "/api/solve/", "/%2e%2e/%2e%2e/etc/passwd"):
+    check(studio.ask("GET", path)[0] == 404 and studio.ask("POST", path, "{}")[0] in (400, 404), f"{path}: 404")
+check(studio.ask("POST", "/api/solve", "{")[0] == 400, "broken JSON: 400")
+check(studio.ask("POST", "/api/solve", "[]")[0] == 400, "no object: 400")
+check(studio.ask("POST", "/api/solve", "{}")[0] == 400, "a request without words: 400")
+try:
+    large = studio.ask("POST", "/api/solve", "x" * (17 << 20))[0]
+except OSError:
+    large = 413  # the connection is closed while it is sent
+check(large == 413, "17 MB: 413")
+for word, value in [("base", "hg:/etc/passwd"), ("base", "scattering:/dev/zero"), ("base", "moments:x"), ("base", "matrix:x.csv"),
+                    ("substrate", "lambert:ground.csv"), ("base", "TiO2,sizes=/etc/passwd"), ("base", "paste:/etc/passwd"),
+                    ("base", "TiO2,radius=0.1 + hg:secret"), ("database", "/tmp/x.sqlite"), ("base", "x" * 3000), ("base", "TiO2\n"),
+                    ("k-floor", "k.csv"), ("output", "x"), ("base", "NoSuchThing"), ("wavelengths", "400:700:0.1"),
+                    ("tolerance", "1e-9"), ("streams", "256")]:
+    words = {**SCENE, word: [value]}
+    if word == "substrate":
+        del words["base"]
+    status, said = studio.post("/api/solve", {"words": words})
+    check(status == 422 and said["error"], f"--{word} {value[:30]!r}: {said.get('error', '')[:100]}")
+status, said = studio.post("/api/solve", {"words": {**SCENE, "base": ["TiO2,radius=-1"]}})
+check(status == 422 and "-1" in said["error"] and "allowed" in said["error"], f"a wrong radius: {said['error'][:100]}")
+
+# What is right.
+status, said = studio.post("/api/solve", {"words": SCENE, "tab": "a"})
+check(status == 200 and said["data"] and not said["shortfalls"], f"a scene is solved in {said.get('seconds', 0):.2f} s")
+replies = []
+slow = {**SCENE, "base": ["H2O,radius=50,variance=0.1"], "wavelengths": ["400:700:5"], "tolerance": ["2e-4"]}
+first = threading.Thread(target=lambda: replies.append(studio.post("/api/solve", {"words": slow, "tab": "b"})[0]))
+first.start()
+time.sleep(0.3)
+began = time.monotonic()
+check(studio.post("/api/solve", {"words": SCENE, "tab": "b"})[0] == 200, "a later change of a tab is solved")
+first.join()
+check(replies == [409], f"and ends the one before ({time.monotonic() - began:.1f} s)")
+status, said = studio.post("/api/texts", {"words": {**SCENE, "missing-k-zero": [True]}})
+script = said["command"].replace("scene.html", os.path.join(studio.state, "page.html"))
+check(subprocess.run(script.replace("miebrdf", PROGRAM, 1), shell=True, capture_output=True).returncode == 0, "the command line that it says runs")
+scene = pathlib.Path(studio.state) / "scene.toml"
+scene.write_text(said["toml"])
+check(subprocess.run([PROGRAM, "run", "scene.toml"], cwd=studio.state, capture_output=True).returncode == 0, "the scene file that it says runs")
+compile(said["python"], "scene.py", "exec")
+for kind, start in [("albedo", b"# version"), ("report", b"<!DOCTYPE html>"), ("csv", b"#"), ("npz", b"PK")]:
+    status, headers, body = studio.ask("POST", "/api/write", json.dumps({"words": SCENE, "kind": kind}))
+    check(status == 200 and body.startswith(start) and "attachment" in headers["Content-Disposition"], f"download of {kind}: {len(body)} bytes")
+check(studio.post("/api/write", {"words": SCENE, "kind": "../../x"})[0] == 422, "no kind of its own making is written")
+status, said = studio.post("/api/materials", {"text": "gold"})
+check(status == 200 and any(m["name"] == "Au" for m in said["materials"]), "gold is found")
+check(studio.post("/api/save", {"words": SCENE, "view": {"a": 1}})[0] == 200, "the scene is saved")
+
+# Anything at all: an answer, and a server that lives.
+random.seed(57)
+texts = ["", "TiO2", "TiO2,radius=1e400", "@", "@@", "{", "{a=1}", "hg:", "hg:1,1", "index:", "index:nan,nan", "\u0000", "\ud800", "÷", "%s%n", "../", "a" * 1999,
+         "TiO2,radius={r=0.1}", "bruggeman(", "formula(n=1e999)", "rough:", "0:1e9:1e-9", "550", "-1", "inf"]
+names = ["base", "coat", "substrate", "boundary", "roughness", "wavelengths", "tolerance", "stokes", "host-index", "grid", "nonsense"]
+
+
+def anything(depth=0):
+    kind = random.randrange(7 if depth < 3 else 4)
+    return [random.choice(texts), random.choice([0, -1, 1e308, 2**53]), None, random.random() < 0.5,
+            [anything(depth + 1) for _ in range(2)] if depth < 3 else [], {random.choice(names): anything(depth + 1)} if depth < 3 else {}, random.choice(texts)][kind]
+
+
+bad = []
+for number in range(FUZZED):
+    words = {random.choice(names): [random.choice(texts)] if random.random() < 0.7 else anything() for _ in range(random.randrange(4))}
+    asked = {"words": words, "preview": True, "kind": anything(), "text": anything(), "view": anything(), "tab": anything()}
+    if random.random() < 0.3:
+        asked = anything()
+    body = json.dumps(asked)
+    if random.random() < 0.2:
+        at = random.randrange(len(body))
+        body = body[:at] + random.choice(["\x00", "{", "\"", "\\", "9" * 50]) + body[at + 1:]
+    path = random.choice(["/api/solve", "/api/save", "/api/texts", "/api/materials", "/api/write", "/api/state"])
+    try:
+        status = studio.ask("POST", path, body.encode("utf-8", "surrogatepass"), timeout=60)[0]
+    except OSError as error:
+        status = str(error)
+    if status not in (200, 400, 409, 422):
+        bad.append((status, path, body[:200]))
+check(not bad, f"{FUZZED} requests of anything are answered {bad[:3]}")
+check(studio.post("/api/solve", {"words": SCENE})[0] == 200, "and a scene is still solved")
+
+check(studio.end() == 0, "Ctrl-C ends the studio, exit code 0")
+left = Studio(PROGRAM, studio.state)
+_, said = left.post("/api/state", {})
+check(said["words"] == said["words"] and "base" in said["words"], "the scene that was left is there again")
+left.end()
+broken = pathlib.Path(studio.state) / "miebrdf" / "studio.toml"
+broken.write_text("base = [[[")
+third = Studio(PROGRAM, studio.state)
+check(third.post("/api/state", {})[1]["words"]["base"] == ["TiO2,radius=0.2"], "a state that is damaged is left aside")
+third.end()
+sys.exit(1 if failures else 0)

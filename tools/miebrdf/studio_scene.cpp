@@ -1,0 +1,193 @@
+#include "tools/miebrdf/studio_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <regex>
+
+#include <miebrdf/error.h>
+
+namespace miebrdf::program {
+namespace {
+
+using nlohmann::json;
+
+// What a page asks for by mistake or on purpose ends here; a person's scene is far below.
+constexpr std::size_t kMostValues = 32, kMostCharacters = 2000, kMostWavelengths = 128;
+constexpr double kLeastTolerance = 1e-4;
+constexpr int kMostStreams = 64;
+
+constexpr char kPageMark[] = "# page: ";
+
+/// `hg:0.9,0.5` is a medium, `hg:FILE` is a file; `paste:NAME` is one that is built in.
+void refuse_files(const std::string& word, const std::string& text) {
+    static const std::regex pattern(
+        "(^|[\\s+(,=])(hg|dhg|lambert|moments|matrix|scattering|paste|sizes|sizes=|k_floor=)[:=]"
+        "\\s*([^,\\s+@]*)",
+        std::regex::icase);
+    const auto refuse = [&] {
+        throw UsageError(word, text, "words without files: a page reads nothing of the disk");
+    };
+    for (auto at = std::sregex_iterator(text.begin(), text.end(), pattern);
+         at != std::sregex_iterator(); ++at) {
+        const std::string kind = (*at)[2].str(), value = (*at)[3].str();
+        const bool is_number =
+            !value.empty() && value.find_first_not_of("+-.0123456789eE%{}=") == std::string::npos;
+        const bool is_name = value.find_first_of("./\\~") == std::string::npos;
+        if (!is_number && !(kind == "paste" && is_name)) refuse();
+    }
+}
+
+WordValue value_from(const std::string& name, const json& value) {
+    if (value.is_boolean()) return value.get<bool>();
+    if (!value.is_string())
+        throw UsageError(name, value.dump(), "a text as on the command line, or true");
+    const auto text = value.get<std::string>();
+    const bool is_plain = std::none_of(text.begin(), text.end(),
+                                       [](unsigned char c) { return c < ' ' || c == 0x7f; });
+    if (text.empty() || text.size() > kMostCharacters || !is_plain)
+        throw UsageError(name, text.substr(0, 40), "a line of 1 to 2000 characters");
+    refuse_files(name, text);
+    return text;
+}
+
+/// As TOML and Python write texts: JSON's escapes are among theirs.
+std::string quoted(const WordValue& value) { return json(text_of(value)).dump(); }
+
+}  // namespace
+
+SaidWords words_from_page(const json& page) {
+    if (!page.is_object()) throw UsageError("words", page.dump().substr(0, 40), "an object");
+    SaidWords said;
+    for (const auto& [name, values] : page.items()) {
+        const SceneWord* word = find_scene_word(name);
+        if (word == nullptr || name == "database")
+            throw UsageError("word", name, "a word of a scene: base, coat, boundary, ...");
+        if (!values.is_array() || values.size() > kMostValues)
+            throw UsageError(name, values.dump().substr(0, 40), "a list of at most 32 values");
+        for (const json& value : values) said[name].push_back(value_from(name, value));
+    }
+    return said;
+}
+
+json words_for_page(const SaidWords& said) {
+    json page = json::object();
+    for (const auto& [name, values] : said) {
+        for (const WordValue& value : values) {
+            if (const bool* flag = std::get_if<bool>(&value))
+                page[name].push_back(*flag);
+            else
+                page[name].push_back(text_of(value));
+        }
+    }
+    return page;
+}
+
+Request request_of_page(const SaidWords& said) {
+    Request request = request_of(said);
+    if (request.wavelength_nm.empty())
+        apply(*find_scene_word("wavelengths"), std::vector<WordValue>{std::string("400:700:20")},
+              request);
+    if (request.wavelength_nm.size() > kMostWavelengths) {
+        throw UsageError("wavelengths", double(request.wavelength_nm.size()),
+                         "at most 128 on a page that is solved while one waits");
+    }
+    if (!(request.solver.tolerance >= kLeastTolerance))
+        throw UsageError("tolerance", request.solver.tolerance, "1e-4 and above on this page");
+    if (request.solver.streams > kMostStreams)
+        throw UsageError("streams", request.solver.streams, "at most 64 on this page");
+    const char* database = std::getenv("MIEBRDF_DATABASE");
+    if (database != nullptr) request.scene.database = database;
+    return request;
+}
+
+std::vector<std::string> arguments_of(const SaidWords& said) {
+    std::vector<std::string> arguments;
+    for (const auto& [name, values] : said) {
+        const bool is_flag = find_scene_word(name)->kind == WordKind::flag;
+        for (const WordValue& value : values) {
+            if (is_flag && std::holds_alternative<bool>(value) && !std::get<bool>(value)) continue;
+            arguments.push_back("--" + name);
+            if (!is_flag) arguments.push_back(text_of(value));
+        }
+    }
+    return arguments;
+}
+
+std::string scene_file_of(const SaidWords& said, const std::string& page) {
+    std::string text = "# A scene of miebrdf studio: miebrdf run, report, studio read it.\n";
+    for (const auto& [name, values] : said) {
+        if (values.empty()) continue;
+        const WordKind kind = find_scene_word(name)->kind;
+        if (kind == WordKind::flag) {
+            text += name + " = true\n";
+        } else if (kind == WordKind::repeated) {
+            text += name + " = [";
+            for (std::size_t k = 0; k < values.size(); ++k)
+                text += (k > 0 ? ", " : "") + quoted(values[k]);
+            text += "]\n";
+        } else {
+            text += name + " = " + quoted(values.front()) + "\n";
+        }
+    }
+    if (!page.empty()) text += kPageMark + page + "\n";
+    return text + "\n[[result]]\ncommand = \"report\"\noutput = \"studio.html\"\n";
+}
+
+std::string page_of_scene_file(const std::string& text) {
+    const std::size_t at = text.find(kPageMark);
+    if (at == std::string::npos || (at > 0 && text[at - 1] != '\n')) return "";
+    const std::size_t from = at + std::size(kPageMark) - 1;
+    return text.substr(from, text.find('\n', from) - from);
+}
+
+std::string python_of(const SaidWords& said) {
+    static const std::map<std::string, std::string> kNames = {
+        {"coat", "coats"},
+        {"effective-radius", "effective_radius_um"},
+        {"host-index", "host"},
+        {"layer-density", "layer_density_kg_m3"}};
+    static const std::vector<std::string> kNumbers = {"roughness",          "effective-radius",
+                                                      "effective-variance", "k-floor",
+                                                      "mie-tolerance",      "layer-density"};
+    static const std::vector<std::string> kOfSolve = {"tolerance", "stokes", "streams"};
+    const auto is_among = [](const std::vector<std::string>& list, const std::string& name) {
+        return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    std::string scene, solve, wavelengths = "\"400:700:20\"", other;
+    for (const auto& [name, values] : said) {
+        if (values.empty()) continue;
+        const SceneWord& word = *find_scene_word(name);
+        if (name == "wavelengths") {
+            wavelengths = quoted(values.front());
+            continue;
+        }
+        std::string key = name;
+        if (const auto found = kNames.find(name); found != kNames.end()) key = found->second;
+        std::replace(key.begin(), key.end(), '-', '_');
+        std::string value = quoted(values.front());
+        if (word.kind == WordKind::flag) value = "True";
+        if (is_among(kNumbers, name) || (is_among(kOfSolve, name) && value != "\"auto\""))
+            value = text_of(values.front());
+        if (word.kind == WordKind::repeated) {
+            value = "[";
+            for (std::size_t k = 0; k < values.size(); ++k)
+                value += (k > 0 ? ", " : "") + quoted(values[k]);
+            value += "]";
+        }
+        if (is_among(kOfSolve, name))
+            solve += fmt::format(", {}={}", key, value);
+        else if (word.group == "Method")
+            other += fmt::format("# --{} {}\n", name, value);
+        else
+            scene += fmt::format("{}{}={}", scene.empty() ? "" : ",\n                      ", key,
+                                 value);
+    }
+    return fmt::format(
+        "import miebrdf\n\n{}scene = miebrdf.Scene({})\nsolved = scene.solve({}{})\n"
+        "print(solved.albedo(theta_in_deg=45))\n",
+        other, scene, wavelengths, solve);
+}
+
+}  // namespace miebrdf::program
