@@ -32,7 +32,7 @@ CHAPTERS = [
                    "docs/tutorials/fit-drawdown", "docs/tutorials/fit-brdf", "docs/notebooks/README"]),
     ("Use", ["docs/command-line", "docs/python", "docs/scene-files", "docs/sweeps", "docs/measured", "docs/fitting", "docs/inference", "docs/derivatives",
              "docs/materials", "docs/particles", "docs/mixtures",
-             "docs/boundaries", "docs/polarisation", "docs/colour", "docs/formats/README", "docs/plots", "docs/report",
+             "docs/boundaries", "docs/polarisation", "docs/colour", "docs/formats/README", "docs/plots", "docs/report", "docs/studio",
              "docs/rendering", "docs/subsurface", "docs/gallery"]),
     ("Reference", ["docs/conventions", "reference/python", "reference/cpp"]),
     ("Mathematics", ["docs/maths-mie", "docs/maths-spheroids", "docs/maths-rte", "docs/maths-boundary", "docs/maths-polarisation", "docs/maths-surface"]),

@@ -94,6 +94,11 @@ json albedo_json(const AlbedoValues& albedo, PageBytes& bytes) {
     json all = {{"plane", bytes.add(albedo.plane_albedo)},
                 {"spherical", bytes.add(std::span<const double>(albedo.spherical_albedo))}};
     if (!albedo.mirror_reflectance.empty()) all["mirror"] = bytes.add(albedo.mirror_reflectance);
+    if (!albedo.plane_transmittance.empty()) {
+        all["plane_through"] = bytes.add(albedo.plane_transmittance);
+        all["spherical_through"] =
+            bytes.add(std::span<const double>(albedo.spherical_transmittance));
+    }
     return all;
 }
 

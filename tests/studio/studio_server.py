@@ -3,7 +3,9 @@
     studio_server.py MIEBRDF [CHROMIUM]
 """
 
+import base64
 import json
+import math
 import os
 import pathlib
 import random
@@ -101,6 +103,26 @@ status, said = studio.post("/api/materials", {"text": "gold"})
 check(status == 200 and any(m["name"] == "Au" for m in said["materials"]), "gold is found")
 check(studio.post("/api/save", {"words": SCENE, "view": {"a": 1}})[0] == 200, "the scene is saved")
 
+# Measured files and fits.
+made = subprocess.run([PROGRAM, "albedo", "--base", "TiO2,radius=0.15 in index:1.5", "--wavelengths", "450:650:25", "--mu-in", "0.9"],
+                      capture_output=True, text=True, check=True).stdout
+rows = [line.split(",")[:3] for line in made.splitlines() if line[0].isdigit()]
+dropped = {"name": "../../etc/sample.csv", "content": base64.b64encode(("wavelength_nm,plane_albedo\n" + "".join(f"{w},{a}\n" for w, _, a in rows)).encode()).decode(),
+           "quantity": "plane_albedo", "theta_in_deg": math.degrees(math.acos(0.9))}
+status, said = studio.post("/api/measured", dropped)
+check(status == 200 and len(said["values"]) == len(rows) and said["values"][0]["value"] == float(rows[0][2]), "a measured file is read")
+status, said = studio.post("/api/measured", {"name": "x.csv", "content": base64.b64encode(b"wavelength_nm,plane_albedo\n500,oops\n").decode()})
+check(status == 422 and "x.csv" in said["error"] and "/a/b/c" not in said["error"], f"a damaged one is refused: {said.get('error', '')[:100]}")
+fit = {"words": {"base": ["TiO2,radius={u1} in index:1.5"]}, "unknowns": {"u1": "0.2 in 0.05:0.5 log"}, "file": dropped}
+status, said = studio.post("/api/fit", fit)
+if "libceres-dev" in said.get("error", ""):
+    print("        (no fit in this build)")
+else:
+    value = said["values"][0]
+    check(status == 200 and abs(value["value"] - 0.15) <= 1.5e-3 and value["standard_error"] > 0, f"and fitted: {value}")
+    check(studio.post("/api/fit", {**fit, "unknowns": {"u1": "0.2 in 1:2"}})[0] == 422, "a start outside its bounds is refused")
+    check(studio.post("/api/fit", {**fit, "words": {"base": ["hg:/etc/passwd"]}})[0] == 422, "so is a file in its words")
+
 # Anything at all: an answer, and a server that lives.
 random.seed(57)
 texts = ["", "TiO2", "TiO2,radius=1e400", "@", "@@", "{", "{a=1}", "hg:", "hg:1,1", "index:", "index:nan,nan", "\u0000", "\ud800", "÷", "%s%n", "../", "a" * 1999,
@@ -124,7 +146,10 @@ for number in range(FUZZED):
     if random.random() < 0.2:
         at = random.randrange(len(body))
         body = body[:at] + random.choice(["\x00", "{", "\"", "\\", "9" * 50]) + body[at + 1:]
-    path = random.choice(["/api/solve", "/api/save", "/api/texts", "/api/materials", "/api/write", "/api/state"])
+    path = random.choice(["/api/solve", "/api/save", "/api/texts", "/api/materials", "/api/write", "/api/state", "/api/measured", "/api/fit"])
+    if path == "/api/measured" and random.random() < 0.8:
+        content = random.randbytes(random.randrange(200)) if random.random() < 0.5 else random.choice(["wavelength_nm,value\n", "<CxF>", "{", "PK\x03\x04"]).encode() + random.randbytes(60)
+        body = json.dumps({"name": random.choice([*texts, "a.csv", "a.cxf", "a.mat", "a.asd"]), "content": base64.b64encode(content).decode()})
     try:
         status = studio.ask("POST", path, body.encode("utf-8", "surrogatepass"), timeout=60)[0]
     except OSError as error:

@@ -25,6 +25,7 @@
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/result_facts.h"
 #include "tools/miebrdf/run_command.h"
+#include "tools/miebrdf/studio_measured.h"
 #include "tools/miebrdf/studio_scene.h"
 #include "tools/miebrdf/studio_server.h"
 
@@ -80,26 +81,6 @@ bool is_same(const std::string& a, const std::string& b) {
         different |= unsigned(static_cast<unsigned char>(a[k]) ^ static_cast<unsigned char>(b[k]));
     return different == 0;
 }
-
-class ScratchFolder {
-  public:
-    ScratchFolder() : path_(fs::temp_directory_path() / "miebrdf-studio-XXXXXX") {
-        std::string pattern = path_.string();
-        if (::mkdtemp(pattern.data()) == nullptr)
-            throw InputError("no folder can be made in " + path_.parent_path().string());
-        path_ = pattern;
-    }
-    ~ScratchFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
 
 struct Finished {
     int code = 0;
@@ -279,18 +260,7 @@ class Studio {
             request.solver.tolerance = std::max(request.solver.tolerance, kPreviewTolerance);
             request.solver.stokes = 1;
         }
-        const std::string tab = asked.value("tab", std::string()).substr(0, 40);
-        const int number = newest(tab);
-        const auto end = Clock::now() + kMostSolving;
-        Control control = shell_.control();
-        control.progress = {};
-        control.job_begun = {};
-        control.piece_done = {};
-        control.memo = memo_;
-        const auto is_stopped = control.is_cancelled;
-        control.is_cancelled = [=, this] {
-            return is_stopped() || is_stale(tab, number) || Clock::now() > end;
-        };
+        const Control control = control_of(asked);
         const std::lock_guard one(solving_);
         if (control.is_cancelled()) throw Cancelled();
         const auto start = Clock::now();
@@ -307,6 +277,32 @@ class Studio {
                       {"preview", is_preview},
                       {"shortfalls", data.shortfalls},
                       {"seconds", seconds.count()}});
+    }
+
+    HttpReply measured(const json& asked) { return reply(measured_for_page(asked)); }
+
+    HttpReply fit(const json& asked) {
+        const SaidWords said = words_from_page(asked.at("words"));
+        const Control control = control_of(asked);
+        const std::lock_guard one(solving_);
+        if (control.is_cancelled()) throw Cancelled();
+        return reply(fit_for_page(said, asked, control));
+    }
+
+    /// Ends what it controls when a later request of the same tab comes, or after two minutes.
+    Control control_of(const json& asked) {
+        const std::string tab = asked.value("tab", std::string()).substr(0, 40);
+        const int number = newest(tab);
+        const auto end = Clock::now() + kMostSolving;
+        Control control = shell_.control();
+        control.progress = {};
+        control.job_begun = {};
+        control.piece_done = {};
+        control.memo = memo_;
+        control.is_cancelled = [=, this, is_stopped = control.is_cancelled] {
+            return is_stopped() || is_stale(tab, number) || Clock::now() > end;
+        };
+        return control;
     }
 
     static std::vector<std::string> format_names() {
@@ -373,9 +369,10 @@ class Studio {
 };
 
 const std::vector<std::pair<const char*, Studio::Does>> Studio::kPaths = {
-    {"/api/state", &Studio::get_state}, {"/api/save", &Studio::put_state},
-    {"/api/texts", &Studio::texts},     {"/api/materials", &Studio::materials},
-    {"/api/solve", &Studio::solve},     {"/api/write", &Studio::write}};
+    {"/api/state", &Studio::get_state},   {"/api/save", &Studio::put_state},
+    {"/api/texts", &Studio::texts},       {"/api/materials", &Studio::materials},
+    {"/api/solve", &Studio::solve},       {"/api/write", &Studio::write},
+    {"/api/measured", &Studio::measured}, {"/api/fit", &Studio::fit}};
 
 /// By the desktop's own choice; where there is none, the address is on the terminal.
 void open_in_browser(const std::string& address) {

@@ -23,8 +23,8 @@ constexpr char kPageMark[] = "# page: ";
 /// `hg:0.9,0.5` is a medium, `hg:FILE` is a file; `paste:NAME` is one that is built in.
 void refuse_files(const std::string& word, const std::string& text) {
     static const std::regex pattern(
-        "(^|[\\s+(,=])(hg|dhg|lambert|moments|matrix|scattering|paste|sizes|sizes=|k_floor=)[:=]"
-        "\\s*([^,\\s+@]*)",
+        "(^|[\\s+(,=])(hg|dhg|lambert|moments|matrix|scattering|paste|sizes)\\s*[:=]\\s*"
+        "([^,\\s+@]*)",
         std::regex::icase);
     const auto refuse = [&] {
         throw UsageError(word, text, "words without files: a page reads nothing of the disk");

@@ -5,7 +5,7 @@ const App = (() => {
 
   const view = {
     member: 0, wavelength: 550, light: 'd65', show: 'colour', thetaIn: 30, thetaOut: 45, azimuth: 0, wholeThetaIn: 30,
-    object: 'sphere', exposure: -0.5, sky: 0.05, yaw: 0, pitch: 0, lampYaw: -35, lampPitch: 30,
+    object: 'sphere', exposure: -0.25, sky: 0.2, yaw: 0, pitch: 0, lampYaw: -40, lampPitch: 40,
     lobeYaw: 20, lobePitch: 25, lobeScale: 'linear', normal: null,
   };
 
@@ -30,6 +30,8 @@ const App = (() => {
           solved: new Brdf.Solved(store, table, W),
           plane: Data.rowsOf(f(albedo.plane), f(albedo.plane).length / W),
           spherical: f(albedo.spherical),
+          planeThrough: albedo.plane_through && Data.rowsOf(f(albedo.plane_through), f(albedo.plane_through).length / W),
+          sphericalThrough: albedo.spherical_through && f(albedo.spherical_through),
           sky: Data.rowsOf(f(sky), f(sky).length / W),
           media: media.map((m) => {
             const phase = Data.integers(store, m.log_phase), angles = phase.length / W;
@@ -70,16 +72,20 @@ const App = (() => {
     return { thetaIn: degrees(Math.acos(muIn)), thetaOut: degrees(Math.acos(muOut)), azimuth: degrees(Math.acos(cosAzimuth)) };
   }
 
-  function build(root, store) {
+  // stores: the numbers of each scene.
+  function build(root, stores) {
     const $ = (id) => document.getElementById(id);
-    const scenes = root.scenes.map((data, index) => new Scene(data, index, store));
+    const scenes = root.scenes.map((data, index) => new Scene(data, index, stores[index]));
     scenes.forEach((scene) => {
       scene.alone = scenes.length === 1;
       scene.choose(view.member);
     });
     const coloured = scenes.every((scene) => scene.illuminants), two = scenes.length > 1;
     if (!coloured) view.show = 'wavelength';
-    for (const id of ['main', 'objects', 'readouts', 'lobes', 'facts']) $(id).classList.add(two ? 'two' : 'one');
+    for (const id of ['main', 'objects', 'readouts', 'lobes', 'facts']) {
+      $(id).classList.toggle('two', two);
+      $(id).classList.toggle('one', !two);
+    }
     const titled = document.title !== scenes.map((s) => s.name).join(' beside ');
     if (titled) $('title').textContent = document.title;
     else $('title').replaceChildren(...scenes.flatMap((s, i) => (i ? [tag('span', { class: 'versus' }, ' beside '), s.name] : [s.name])));
@@ -277,9 +283,9 @@ const App = (() => {
     }
 
     // The same scenes solved anew, at the same wavelengths.
-    function replace(again, store) {
+    function replace(again, stores) {
       Object.assign(root, again);
-      scenes.forEach((scene, i) => scene.take(again.scenes[i], store));
+      scenes.forEach((scene, i) => scene.take(again.scenes[i], stores[i]));
       $('title').textContent = scenes.map((s) => s.name).join(' beside ');
       for (const card of document.querySelectorAll('#objects h3, #lobes h3')) card.textContent = scenes[card.parentNode.dataset.scene].name;
       changed(...parts.member);
@@ -316,7 +322,7 @@ const App = (() => {
         await Studio.start();
         return;
       }
-      const page = build(loaded.root, loaded.store);
+      const page = build(loaded.root, loaded.root.scenes.map(() => loaded.store));
       await page.drawn;
       document.body.dataset.ready = Math.round(performance.now());
       if (typeof SelfTest !== 'undefined') await SelfTest.run(page);

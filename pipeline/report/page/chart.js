@@ -69,7 +69,7 @@ const Chart = (() => {
       this.series = [];
     }
 
-    // series: { name, x, y, style: 0, 1, ... (colour), dash }
+    // series: { name, x, y, style: 0, 1, ... (colour), dash, points: true where they are circles }; the first has a line
     set(series) {
       this.series = series.filter((s) => s.x.length > 0);
       const values = this.series.flatMap((s) => Array.from(s.y)).filter((v) => v > 0);
@@ -123,6 +123,12 @@ const Chart = (() => {
       svg('text', { x: 14, y: (box.top + box.bottom) / 2, class: 'name middle', transform: `rotate(-90 14 ${(box.top + box.bottom) / 2})` },
         root, yUnit ? `${yName} (${yUnit})` : yName);
       for (const s of this.series) {
+        if (s.points) {
+          for (let i = 0; i < s.x.length; ++i) {
+            if (Number.isFinite(s.y[i]) && (!log || s.y[i] > 0)) svg('circle', { cx: this.px(s.x[i]).toFixed(1), cy: this.py(s.y[i]).toFixed(1), r: 3, class: `mark style${s.style}` }, root);
+          }
+          continue;
+        }
         let path = '';
         for (let i = 0, down = false; i < s.x.length; ++i) {
           const fits = Number.isFinite(s.y[i]) && (!log || s.y[i] > 0);
@@ -145,7 +151,8 @@ const Chart = (() => {
         item.className = 'key';
         const near = x === null ? -1 : this.nearest(s.x, x);
         const dash = s.dash ? ` stroke-dasharray="${s.dash}"` : '';
-        item.innerHTML = `<svg width="26" height="10" aria-hidden="true"><line x1="1" x2="25" y1="5" y2="5" class="line style${s.style}"${dash}/></svg><span></span><b></b>`;
+        item.innerHTML = s.points ? `<svg width="26" height="10" aria-hidden="true"><circle cx="13" cy="5" r="3" class="mark style${s.style}"/></svg><span></span><b></b>`
+          : `<svg width="26" height="10" aria-hidden="true"><line x1="1" x2="25" y1="5" y2="5" class="line style${s.style}"${dash}/></svg><span></span><b></b>`;
         item.children[1].textContent = s.name;
         item.querySelector('b').textContent = near < 0 ? '' : number(s.y[near]);
         return item;

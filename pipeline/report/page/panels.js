@@ -19,6 +19,10 @@ const Panels = (() => {
   // The name of a curve, with its scene where there are two.
   const called = (scene, what) => (scene.alone ? what : what ? `${scene.name}: ${what}` : scene.name);
 
+  // Points that were measured (the studio's), for one of the charts.
+  const measuredOf = (scenes, chart) => scenes.flatMap((s) => (s.measured || []).filter((m) => m.chart === chart)
+    .map((m, i) => ({ name: m.name, x: m.x, y: m.y, style: 2 + i % 4, points: true })));
+
   // Values of each scene at the chosen directions.
   class Readouts {
     constructor(parent, difference) {
@@ -134,6 +138,7 @@ const Panels = (() => {
       this.brdf = chart(point, 'BRDF at these directions', 'BRDF', { yUnit: 'sr⁻¹', zero: true, file: 'brdf_spectrum' });
       this.azimuth = new Chart.LineChart(point, { title: 'BRDF around the normal', xName: 'azimuth from the mirror side', xUnit: '°', yName: 'BRDF', yUnit: 'sr⁻¹', zero: true, file: 'brdf_azimuth' });
       this.albedo = chart(albedo, 'Albedo', 'share reflected', { zero: true, file: 'albedo_spectrum' });
+      this.through = chart(albedo, 'Transmittance', 'share that passes', { zero: true, file: 'transmittance_spectrum' });
       this.angle = new Chart.LineChart(albedo, { title: 'Albedo and incidence', xName: 'angle of incidence', xUnit: '°', yName: 'share reflected', zero: true, file: 'albedo_incidence' });
       this.n = chart(media, 'Refractive index n', 'n', { file: 'n' });
       this.k = chart(media, 'Absorption index k', 'k', { log: 'wide', file: 'k' });
@@ -142,7 +147,7 @@ const Panels = (() => {
     }
 
     drawPoint(scenes, view) {
-      this.brdf.set(scenes.map((s) => ({ name: called(s, s.alone ? 'BRDF' : ''), x: s.nm, y: s.spectrumAt(view), style: s.index, dash: dashOf(s) })));
+      this.brdf.set([...scenes.map((s) => ({ name: called(s, s.alone ? 'BRDF' : ''), x: s.nm, y: s.spectrumAt(view), style: s.index, dash: dashOf(s) })), ...measuredOf(scenes, 'brdf')]);
       const azimuths = Array.from({ length: 91 }, (_, i) => 2 * i);
       this.azimuth.set(scenes.map((s) => {
         const w = s.near(view.wavelength);
@@ -152,9 +157,13 @@ const Panels = (() => {
     }
 
     drawAlbedo(scenes, view, angles) {
-      this.albedo.set(scenes.flatMap((s) => [
-        { name: called(s, 'diffuse light'), x: s.nm, y: s.spherical, style: s.index },
-        { name: called(s, `lamp at ${view.wholeThetaIn}°`), x: s.nm, y: s.plane.map((row) => row[view.wholeThetaIn]), style: s.index, dash: '3 4' }]));
+      const spectra = (from, diffuse, plane) => from.flatMap((s) => [
+        { name: called(s, 'diffuse light'), x: s.nm, y: s[diffuse], style: s.index },
+        { name: called(s, `lamp at ${view.wholeThetaIn}°`), x: s.nm, y: s[plane].map((row) => row[view.wholeThetaIn]), style: s.index, dash: '3 4' }]);
+      this.albedo.set([...spectra(scenes, 'spherical', 'plane'), ...measuredOf(scenes, 'albedo')]);
+      const clear = scenes.filter((s) => s.sphericalThrough);
+      this.through.figure.hidden = !clear.length;
+      this.through.set([...spectra(clear, 'sphericalThrough', 'planeThrough'), ...measuredOf(clear, 'through')]);
       this.angle.set(scenes.map((s) => {
         const w = s.near(view.wavelength);
         return { name: called(s, `${s.nm[w]} nm`), x: angles, y: Array.from(s.plane[w]), style: s.index, dash: dashOf(s) };

@@ -17,6 +17,8 @@ const Studio = (() => {
   let model, page = null, formats = [], chosen = null;
   let past = [], future = [];
   let failed = null;  // the field of the last refusal
+  let kept = null;    // a solved scene that stays beside the one that is edited: { root, store }
+  let dropped = null; // a measured file: { name, content, samples, values, sample, theta_in_deg }
 
   async function ask(path, body) {
     const reply = await fetch(path, { method: 'POST', headers: { 'X-Studio-Token': StudioToken, 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
@@ -80,7 +82,8 @@ const Studio = (() => {
   const short = (value) => String(Number(value.toPrecision(3)));
 
   // A slider, logarithmic where the thing is, with a field for its number.
-  function slider(parent, { label, unit, min, max, log, value }, changed) {
+  // free: where it is kept whether a fit may move the number.
+  function slider(parent, { label, unit, min, max, log, value }, changed, free) {
     const box = tag('label', { class: 'control' }), head = tag('span', { class: 'label' }), name = tag('span', {}, unit ? `${label}, ${unit}` : label);
     const number = tag('input', { type: 'text', class: 'number', inputmode: 'decimal', 'aria-label': name.textContent, value: short(value) });
     const range = tag('input', { type: 'range', min: 0, max: 1, step: 0.002, 'aria-label': name.textContent });
@@ -100,6 +103,16 @@ const Studio = (() => {
     });
     head.append(name, number);
     box.append(head, range);
+    if (free) {
+      const all = free.owner.free ||= {}, press = button('fit', `let a fit move ${name.textContent}`, () => {
+        all[free.name] = !all[free.name];
+        press.setAttribute('aria-pressed', all[free.name]);
+        drawMeasured();
+      });
+      press.classList.add('free');
+      press.setAttribute('aria-pressed', Boolean(all[free.name]));
+      head.insertBefore(press, number);
+    }
     parent.append(box);
   }
 
@@ -114,7 +127,7 @@ const Studio = (() => {
         owner[key] = owner[key].slice(0, now.at) + text + owner[key].slice(now.at + now.length);
         input.value = owner[key];
         changed(done);
-      }));
+      }, { owner, name: `${key} ${i}` }));
     };
     input.addEventListener('focus', () => { chosen = { owner, key, input, drawSliders }; });
     input.addEventListener('change', () => {
@@ -193,7 +206,7 @@ const Studio = (() => {
         layer.depth = text + held[2];
         depth.value = layer.depth;
         changed(done);
-      });
+      }, { owner: layer, name: 'depth' });
       stack.append(card);
     }
     const bottom = tag('div', { class: 'layer', 'data-layer': 'bottom' });
@@ -290,6 +303,7 @@ const Studio = (() => {
     }
   }
 
+  let touched = null;  // the field that was changed last
   const status = (text) => { if (text) $('studio-status').textContent = text; };
   function refuse(error) {
     failed = error.field || '';
@@ -297,27 +311,161 @@ const Studio = (() => {
     $('studio-error').textContent = error.message || 'the studio does not answer: has it ended?';
     status('the last scene that could be solved is shown');
     document.body.dataset.refused = number;
+    if (error.status === 422 && touched?.isConnected) {
+      touched.classList.add('wrong');
+      touched.setAttribute('aria-invalid', 'true');
+    }
   }
 
   const parts = ['controls', 'objects', 'picture-controls', 'readouts', 'difference', 'direction-controls', 'point-charts', 'lobe-controls', 'lobes', 'polar', 'albedo-charts', 'swatches', 'media-charts', 'facts'];
   let shape = '';
   async function show({ data, preview, seconds, shortfalls }) {
-    const { root, store } = await Data.load(data), scene = root.scenes[0];
+    current = await Data.load(data);
     $('studio-error').hidden = true;
-    document.body.classList.toggle('preview', preview);
-    const now = JSON.stringify([scene.wavelength_nm, Boolean(scene.illuminants)]);
-    if (page && now === shape) page.replace(root, store);
-    else {
-      parts.forEach((id) => $(id).replaceChildren());
-      page = App.build(root, store);
-      shape = now;
-      await page.drawn;
-      $('title').textContent = scene.name;
-      document.body.dataset.ready = Math.round(performance.now());
+    for (const wrong of document.querySelectorAll('#studio .wrong')) {
+      wrong.classList.remove('wrong');
+      wrong.removeAttribute('aria-invalid');
     }
-    drawColours();
+    document.body.classList.toggle('preview', preview);
+    await drawPage();
     const poor = shortfalls.length ? `; not converged: ${shortfalls[0]}` : '';
     status(`${preview ? 'preview' : 'solved'} in ${seconds < 1 ? `${Math.round(1e3 * seconds)} ms` : `${seconds.toFixed(1)} s`}${poor}`);
+  }
+
+  let current = null;  // the last solution: { root, store }
+  async function drawPage() {
+    const scenes = [current, ...(kept ? [kept] : [])], [scene] = current.root.scenes;
+    const root = { ...current.root, scenes: scenes.map((s, i) => (i ? { ...s.root.scenes[0], name: `kept: ${s.root.scenes[0].name}` } : s.root.scenes[0])) };
+    const stores = scenes.map((s) => s.store), now = JSON.stringify(root.scenes.map((s) => [s.wavelength_nm, Boolean(s.illuminants)]));
+    if (page && now === shape) {
+      page.replace(root, stores);
+      page.update();
+    } else {
+      parts.forEach((id) => $(id).replaceChildren());
+      page = App.build(root, stores);
+      shape = now;
+      await page.drawn;
+      $('title').textContent = root.scenes.map((s) => s.name).join(' beside ');
+      document.body.dataset.ready = Math.round(performance.now());
+    }
+    const had = page.scenes[0].measured?.length;
+    const within = (nm) => nm >= scene.wavelength_nm[0] - 1 && nm <= scene.wavelength_nm[scene.wavelength_nm.length - 1] + 1;
+    page.scenes[0].measured = dropped ? pointsOf(dropped).map((m) => ({ ...m, x: m.x.filter(within), y: m.y.filter((_, i) => within(m.x[i])) })) : [];
+    if (dropped || had) page.changed('point', 'albedo');
+    drawColours();
+  }
+
+  // Values of the chosen sample, one list for each chart that can show them.
+  function pointsOf({ name, samples, values, sample }) {
+    const lists = { albedo: [[], []], brdf: [[], []], through: [[], []] };
+    for (const v of values) {
+      if (v.sample !== sample || v.wavelength_nm === null || v.value === null) continue;
+      const chart = { reflectance: 'albedo', transmittance: 'through', brdf: 'brdf', reflectance_factor: 'brdf' }[v.quantity];
+      if (!chart) continue;
+      lists[chart][0].push(v.wavelength_nm);
+      lists[chart][1].push(v.quantity === 'reflectance_factor' ? v.value / Math.PI : v.value);
+    }
+    return Object.entries(lists).filter(([, [x]]) => x.length).map(([chart, [x, y]]) => ({ chart, x, y, name: `measured: ${samples[sample] || name}` }));
+  }
+
+  // The measured file: what it holds, and a fit of the numbers that are free.
+  function drawMeasured() {
+    const box = $('studio-measured');
+    box.replaceChildren();
+    const free = freed(), count = Object.keys(free.unknowns).length;
+    if (!dropped) return;
+    if (dropped.samples.length > 1) {
+      choice(box, 'Sample', dropped.samples.map((s, i) => [i, s || `${i + 1}`]), dropped.sample, (now) => {
+        dropped.sample = Number(now);
+        drawPage();
+      });
+    }
+    const bar = tag('div', { class: 'bar' }), fit = button(count ? `Fit ${count} number${count > 1 ? 's' : ''}` : 'Fit: first press “fit” beside a number', 'fit the free numbers to the measured points', runFit, !count);
+    bar.append(fit, button('Take away', 'take the measured points away', () => { dropped = null; drawMeasured(); drawPage(); }));
+    box.append(tag('p', { class: 'small' }, [dropped.name, ...dropped.doubts].join('; ')), bar, tag('div', { id: 'studio-fitted', role: 'status' }));
+  }
+
+  // The scene with {u1}, {u2}, ... in place of numbers that are free, and where their values belong.
+  function freed() {
+    const m = JSON.parse(JSON.stringify(model)), unknowns = {}, places = {};
+    const bounds = (n) => (n.log ? `${n.value} in ${Math.max(n.min, n.value / 10)}:${Math.min(n.max, n.value * 10)} log` : `${n.value} in ${n.min}:${n.max}`);
+    const add = (owner, key, found, where) => {
+      const name = `u${Object.keys(unknowns).length + 1}`;
+      unknowns[name] = bounds(found);
+      places[name] = { ...where, label: found.label, unit: found.unit };
+      owner[key] = `${owner[key].slice(0, found.at)}{${name}}${owner[key].slice(found.at + found.length)}`;
+    };
+    const words = (owner, key, layer) => numbersOf(owner[key]).map((n, i) => [n, i]).reverse().forEach(([n, i]) => {
+      if (owner.free?.[`${key} ${i}`]) add(owner, key, n, { layer, key, index: i });
+    });
+    words(m, 'bottom', -1);
+    m.layers.forEach((layer, i) => {
+      if (!layer.on) return;
+      words(layer, 'words', i);
+      const held = /^[0-9.eE+-]+/.exec(layer.depth), value = held && Number(held[0]);
+      if (layer.free?.depth && value > 0) add(layer, 'depth', { at: 0, length: held[0].length, value, min: value / 100, max: value * 100, log: true, label: 'Depth', unit: layer.depth.slice(held[0].length) }, { layer: i, key: 'depth' });
+    });
+    return { words: wordsOf(m), unknowns, places };
+  }
+
+  async function runFit() {
+    const { words, unknowns, places } = freed(), nm = page.scenes[0].nm;
+    status('fitting ...');
+    try {
+      const { name, content, theta_in_deg, quantity, sample } = dropped;
+      const found = await askJson('/api/fit', { words, unknowns, tab, file: { name, content, quantity, theta_in_deg }, sample, from_nm: nm[0] - 0.5, to_nm: nm[nm.length - 1] + 0.5 });
+      const lines = [];
+      for (const v of found.values) {
+        const { layer, key, index, label, unit } = places[v.unknown], owner = layer < 0 ? model : model.layers[layer], text = String(Number(v.value.toPrecision(5)));
+        if (key === 'depth') owner.depth = owner.depth.replace(/^[0-9.eE+-]+/, text);
+        else {
+          const at = numbersOf(owner[key])[index];
+          owner[key] = owner[key].slice(0, at.at) + text + owner[key].slice(at.at + at.length);
+        }
+        lines.push(`${label} of ${layer < 0 ? 'the bottom' : `layer ${layer + 1}`}: ${text}${v.standard_error === null ? '' : ` ± ${Number(v.standard_error.toPrecision(2))}`} ${unit}${v.note ? ` (${v.note})` : ''}`);
+      }
+      lines.push(`${found.used} values, root mean square of what is left ${Number(found.residual_rms.toPrecision(2))}${found.converged ? '' : `; no minimum was found: ${found.reason}`}`, ...found.notes);
+      draw();
+      changed(true);
+      drawMeasured();
+      $('studio-fitted').replaceChildren(...lines.map((line) => tag('p', { class: 'small' }, line)));
+    } catch (error) {
+      refuse(error);
+    }
+  }
+
+  async function take(file) {
+    try {
+      const content = await new Promise((done, failed) => {
+        const reader = new FileReader();
+        reader.onload = () => done(reader.result.slice(reader.result.indexOf(',') + 1));
+        reader.onerror = failed;
+        reader.readAsDataURL(file);
+      });
+      const theta_in_deg = App.view.thetaIn, quantity = $('studio-quantity').value;
+      const read = await askJson('/api/measured', { name: file.name, content, theta_in_deg, quantity });
+      dropped = { name: file.name, content, theta_in_deg, quantity, sample: 0, ...read };
+      $('studio-error').hidden = true;
+      status(`${file.name}: ${read.values.length} values, ${read.format}`);
+      drawMeasured();
+      await drawPage();
+    } catch (error) {
+      refuse(error);
+    }
+  }
+
+  // The picture as it stands, drawn anew just before: WebGL forgets it after each frame.
+  function savePicture() {
+    page.changed('picture');
+    page.update();
+    for (const { stage, scene } of page.objects) {
+      stage.querySelector('canvas').toBlob((blob) => {
+        const link = tag('a', { href: URL.createObjectURL(blob), download: scene.index ? 'kept.png' : 'scene.png' });
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+      });
+    }
+    status('scene.png is written');
   }
 
   // Colours of diffuse light and of the lamp, to copy.
@@ -354,6 +502,10 @@ const Studio = (() => {
 
   async function write() {
     const kind = $('studio-kind').value;
+    if (kind === 'picture') {
+      savePicture();
+      return;
+    }
     status(`writing ${kind} ...`);
     try {
       const reply = await ask('/api/write', { words: wordsOf(model), kind });
@@ -392,6 +544,12 @@ const Studio = (() => {
     if (!materials.length) list.append(tag('p', { class: 'small' }, `nothing is called '${text}'`));
   }
 
+  function begin(words) {
+    model = modelOf({ ...words, wavelengths: [model.wavelengths] });
+    draw();
+    changed(true);
+  }
+
   async function start() {
     document.body.classList.add('studio');
     const state = await askJson('/api/state', {});
@@ -399,15 +557,13 @@ const Studio = (() => {
     if (state.view?.camera) Object.assign(App.view, state.view.camera);
     formats = state.formats;
     last = JSON.stringify(model);
-    for (const [key, text] of [['report', 'page that anybody can open'], ['albedo', 'albedo as CSV'], ...formats.map((f) => [f, `BRDF as ${f}`])]) $('studio-kind').add(new Option(text, key));
+    for (const [key, text] of [['report', 'page that anybody can open'], ['picture', 'picture as PNG'], ['albedo', 'albedo as CSV'], ...formats.map((f) => [f, `BRDF as ${f}`])]) $('studio-kind').add(new Option(text, key));
     $('studio-preset').add(new Option('Begin with ...', ''));
     presets.forEach(([name], i) => $('studio-preset').add(new Option(name, i)));
     $('studio-preset').addEventListener('change', ({ target }) => {
       if (target.value === '') return;
-      model = modelOf({ ...presets[target.value][1], wavelengths: [model.wavelengths] });
+      begin(presets[target.value][1]);
       target.value = '';
-      draw();
-      changed(true);
     });
     $('studio-add').addEventListener('click', () => {
       model.layers.push({ words: 'SiO2,radius=0.2', depth: '0.5', on: true });
@@ -421,6 +577,18 @@ const Studio = (() => {
       event.preventDefault();
       if (event.shiftKey) step(future, past);
       else step(past, future);
+    });
+    $('studio').addEventListener('change', ({ target }) => { if (target.type === 'text') touched = target; }, true);
+    $('studio-keep').addEventListener('click', () => {
+      kept = kept ? null : current;
+      $('studio-keep').textContent = kept ? 'No comparison' : 'Keep, to compare';
+      drawPage();
+    });
+    $('studio-file').addEventListener('change', ({ target }) => { if (target.files[0]) take(target.files[0]); target.value = ''; });
+    document.addEventListener('dragover', (event) => event.preventDefault());
+    document.addEventListener('drop', (event) => {
+      event.preventDefault();
+      if (event.dataTransfer.files[0]) take(event.dataTransfer.files[0]);
     });
     $('studio-write').addEventListener('click', write);
     $('studio-find').addEventListener('input', () => find().catch(refuse));
@@ -440,5 +608,6 @@ const Studio = (() => {
     await send(false);
   }
 
-  return { start, latency, get model() { return model; }, get failed() { return failed; } };
+  // For tests: what stands on the page, and how long each solution took until it was drawn, ms.
+  return { start, begin, latency, get model() { return model; }, get words() { return wordsOf(model); }, get failed() { return failed; } };
 })();

@@ -1,0 +1,37 @@
+// Measured files that are dropped onto the studio's page, and fits to them.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include <miebrdf/control.h>
+#include "tools/miebrdf/scene_options.h"
+
+namespace miebrdf::program {
+
+/// A folder for the time of a request.
+class ScratchFolder {
+  public:
+    ScratchFolder();  ///< @throws InputError  when none can be made
+    ~ScratchFolder();
+    ScratchFolder(const ScratchFolder&) = delete;
+    ScratchFolder& operator=(const ScratchFolder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+  private:
+    std::filesystem::path path_;
+};
+
+/// What the readers of `miebrdf measured` find in `content` (base64), a file called `name`; perhaps
+/// with `quantity` and `theta_in_deg` of what it does not say: `samples`, `doubts`, and `values` of
+/// `sample`, `quantity`, `geometry`, `wavelength_nm`, `mu_in`, `mu_out`, `azimuth_deg`, `value`.
+/// @throws UsageError, InputError  as read_measured()
+nlohmann::json measured_for_page(const nlohmann::json& asked);
+
+/// Fits the `unknowns` ({"u1": "0.2 in 0.02:2 log"}) of these words to one `sample` of such a file,
+/// between `from_nm` and `to_nm`: `values` with `standard_error`, `notes`, `used`, `converged`.
+/// @throws UsageError, InputError  as fit()
+nlohmann::json fit_for_page(const SaidWords& said, const nlohmann::json& asked,
+                            const Control& control);
+
+}  // namespace miebrdf::program
