@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <link.h>
-#include <sys/auxv.h>
 
 #include <algorithm>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include <miebrdf/error.h>
+#include "pipeline/io/program_file.h"
 
 namespace miebrdf {
 
@@ -67,14 +67,6 @@ void* opened(const std::string& plugin) {
 }
 
 }  // namespace
-
-fs::path program_file() {
-    std::error_code unknown;
-    fs::path file = fs::read_symlink("/proc/self/exe", unknown);
-    if (!file.empty()) return file;
-    const auto* started = reinterpret_cast<const char*>(::getauxval(AT_EXECFN));
-    return started == nullptr ? fs::path() : fs::canonical(started, unknown);
-}
 
 bool has_plugin(const std::string& plugin) { return opened(plugin) != nullptr; }
 

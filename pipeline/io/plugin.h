@@ -4,14 +4,9 @@
 // miebrdf_finds_plugins in tools/cmake/MiebrdfLibrary.cmake), without /proc too.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 namespace miebrdf {
-
-/// The file of the program that this process runs, by /proc; where there is none, in a root of its
-/// own say, as it was started. Empty: not known.
-std::filesystem::path program_file();
 
 /// Whether it can be opened, with every library that it needs. @param plugin  "netcdf"
 bool has_plugin(const std::string& plugin);

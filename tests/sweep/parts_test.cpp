@@ -261,7 +261,7 @@ TEST_CASE("derivatives by sizes that scenes share are those of each scene alone"
     Work work(folder, "work", R"(outputs = ["plane_albedo"]
 derivatives = ["radius_um"]
 [scene]
-base = "SiO2,radius={radius_um},variance=0.1,volume=10% + carbon,radius=0.1,volume={share}"
+base = "SiO2,radius={radius_um},variance=0.1,volume=10% + soot_diesel,radius=0.1,volume={share}"
 tolerance = 1e-2
 [axes]
 radius_um = [0.5]

@@ -1,6 +1,8 @@
 // Sweep files are read, or refused before anything runs.
 #include <miebrdf/error.h>
 
+#include <cmath>
+
 #include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/parts.h"
 #include "pipeline/sweep/sweep_file.h"
@@ -118,8 +120,9 @@ wavelength_nm = 500
         const auto found = sweep::look_up(sweep, scene);
         REQUIRE(found.refusals.empty());
         const Scene numbers{.base = medium(scene == 0 ? "hg:0.9,0.5" : "hg:0.8,0.5")};
-        CHECK(solve(found.request.scene, {500}).albedo({}).spherical_albedo ==
-              solve(numbers, {500}).albedo({}).spherical_albedo);
+        // Between two equal rows of the file an albedo is rounded.
+        CHECK(std::abs(solve(found.request.scene, {500}).albedo({}).spherical_albedo[0] -
+                       solve(numbers, {500}).albedo({}).spherical_albedo[0]) <= 1e-13);
     }
 }
 

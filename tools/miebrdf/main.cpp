@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include <miebrdf/error.h>
-#include "pipeline/io/plugin.h"
+#include "pipeline/io/program_file.h"
 #include "tools/miebrdf/commands.h"
 #include "tools/miebrdf/program.h"
 

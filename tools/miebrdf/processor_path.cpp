@@ -15,7 +15,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/processor_path.h>
-#include "pipeline/io/plugin.h"
+#include "pipeline/io/program_file.h"
 #include "rte/math/compiled_for.h"
 
 namespace miebrdf::program {

@@ -20,6 +20,7 @@
 #include <miebrdf/formats.h>
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/io/plugin.h"
+#include "pipeline/io/program_file.h"
 #include "pipeline/report/page.h"
 #include "pipeline/report/report_data.h"
 #include "tools/miebrdf/program.h"
@@ -102,7 +103,7 @@ Finished run_aside(std::vector<std::string> words, const fs::path& folder,
     ::posix_spawn_file_actions_addopen(&files, 2, error.c_str(), O_WRONLY | O_CREAT, 0600);
     pid_t child = 0;
     const int failed =
-        ::posix_spawn(&child, "/proc/self/exe", &files, nullptr, arguments.data(), environ);
+        ::posix_spawn(&child, program_file().c_str(), &files, nullptr, arguments.data(), environ);
     ::posix_spawn_file_actions_destroy(&files);
     if (failed != 0) throw InputError("this program cannot be started a second time");
     const auto end = Clock::now() + kMostWriting;
