@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
+#include <filesystem>
 #include <system_error>
 #include <thread>
 
@@ -206,6 +207,12 @@ void Connection::Closer::operator()(sqlite3* connection) const { sqlite3_close_v
 
 Connection::Connection(const std::string& file, const std::string& name, int flags)
     : name_(std::make_unique<std::string>(name)) {
+    std::error_code error;
+    const auto status = std::filesystem::status(file, error);
+    // Opening a pipe waits until somebody writes into it.
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+        !std::filesystem::is_directory(status))
+        throw DatabaseError(fmt::format("materials database {}: no ordinary file", name));
     sqlite3* raw = nullptr;
     const int code = sqlite3_open_v2(file.c_str(), &raw, flags | SQLITE_OPEN_EXRESCODE, nullptr);
     connection_.reset(raw);

@@ -191,6 +191,19 @@ std::string as_utf8(std::string_view text) {
     return converted;
 }
 
+std::string printable(std::string_view text) {
+    std::string clean(text);
+    for (std::size_t i = 0; i < clean.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(clean[i]);
+        // C1, as UTF-8 and as single bytes of no UTF-8.
+        const bool is_c1 =
+            byte == 0xc2 && i + 1 < clean.size() && static_cast<unsigned char>(clean[i + 1]) < 0xa0;
+        if (byte < 0x20 || byte == 0x7f || is_c1) clean[i] = ' ';
+        if (is_c1) clean[++i] = ' ';
+    }
+    return clean;
+}
+
 std::string first_doi(std::string_view text) {
     const std::size_t start = text.find("doi.org/10.");
     if (start == std::string_view::npos) return "";

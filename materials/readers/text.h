@@ -33,6 +33,9 @@ bool is_utf8(std::string_view text);
 /// The text itself, or, when it is no UTF-8, each byte as a character of Latin-1.
 std::string as_utf8(std::string_view text);
 
+/// The text with blanks for control characters, which terminals would obey.
+std::string printable(std::string_view text);
+
 /// The first DOI ("10.1103/PhysRevB.6.4370") in a text, or nothing; "%2F" and the like resolved.
 std::string first_doi(std::string_view text);
 

@@ -17,8 +17,6 @@
 namespace miebrdf::materials {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 256u << 20;
-
 /// Whether the separator stands in the line outside quotes.
 bool separates(std::string_view line, char separator) {
     bool quoted = false;
@@ -52,7 +50,16 @@ bool says_percent(std::string_view name) {
 
 }  // namespace
 
-std::string read_bytes(const std::filesystem::path& file) {
+void ReadingBudget::require_values(std::size_t count, const std::string& file, int line,
+                                   std::size_t most) {
+    if (count <= most) return;
+    throw ImportError(file, line,
+                      fmt::format("has more than {0} values or lines; allowed: {0} in one file. "
+                                  "Split it",
+                                  most));
+}
+
+std::string read_bytes(const std::filesystem::path& file, std::uintmax_t most) {
     std::error_code error;
     if (std::filesystem::is_directory(file, error)) {
         throw ImportError(file.string(), 0, "is a folder");
@@ -61,14 +68,24 @@ std::string read_bytes(const std::filesystem::path& file) {
     if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
         throw ImportError(file.string(), 0, "no ordinary file");
     }
-    const auto size = std::filesystem::file_size(file, error);
-    if (!error && size > kLargestFile) throw ImportError(file.string(), 0, "larger than 256 MiB");
     std::ifstream stream(file, std::ios::binary);
     if (!stream) {
         throw ImportError(file.string(), 0,
                           fmt::format("cannot be read: {}", std::strerror(errno)));
     }
-    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const auto too_large = [&] {
+        throw ImportError(file.string(), 0, fmt::format("larger than {} MiB", most >> 20));
+    };
+    const auto size = std::filesystem::file_size(file, error);
+    if (!error && size > most) too_large();
+    // What a file says of its size need not be true: those of /proc say 0.
+    std::string text;
+    if (!error) text.reserve(size);
+    std::vector<char> piece(1 << 16);
+    while (stream.read(piece.data(), std::streamsize(piece.size())) || stream.gcount() > 0) {
+        text.append(piece.data(), std::size_t(stream.gcount()));
+        if (text.size() > most) too_large();
+    }
     if (stream.bad()) throw ImportError(file.string(), 0, "cannot be read");
     return text;
 }
@@ -77,6 +94,9 @@ std::string without_mark(std::string text, const std::string& file) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
         throw ImportError(file, 0, "is UTF-16 text; save it as UTF-8");
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+    for (const char end : {'\n', '\r'}) {
+        ReadingBudget::require_values(std::size_t(std::count(text.begin(), text.end(), end)), file);
+    }
     return text;
 }
 
@@ -125,11 +145,15 @@ std::vector<std::string> split_numbers(std::string_view line) {
 
 std::optional<SpectralName> spectral_name(std::string_view name) {
     static constexpr std::string_view kQuantities[] = {
-        "wavelength", "lambda", "wl", "\xce\xbb", "energy", "photon", "wavenumber", "frequency"};
+        "wavelength", "lambda",     "wl",        "\xce\xbb", "energy",
+        "photon",     "wavenumber", "frequency", "wvl", "wave", "wavel"};
     std::string text = lower_case(name);
     if (const auto unit = parse_unit(text)) return SpectralName{unit};
     for (const std::string_view quantity : kQuantities) {
         if (!text.starts_with(quantity)) continue;
+        const char after = text.size() > quantity.size() ? text[quantity.size()] : ' ';
+        if (quantity.starts_with("w") && quantity.size() < 5 && after >= 'a' && after <= 'z')
+            continue;  // "waves", "wlan"
         text.erase(0, quantity.size());
         const auto drop_marks = [&] {
             text.erase(0, std::min(text.find_first_not_of(" _([,/:"), text.size()));
@@ -146,11 +170,17 @@ std::optional<SpectralName> spectral_name(std::string_view name) {
 }
 
 TextTable::TextTable(std::string_view text, std::string file, char comment)
-    : lines_(split_lines(text)), file_(std::move(file)), comment_(comment) {}
+    : rest_(text), file_(std::move(file)), comment_(comment) {}
 
 bool TextTable::next() {
-    while (line_ < static_cast<int>(lines_.size())) {
-        std::string_view content = without_blanks(lines_[static_cast<std::size_t>(line_++)]);
+    while (!rest_.empty()) {
+        const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+        std::string_view content = rest_.substr(0, end);
+        ends_with_blank_ = content.ends_with(' ') || content.ends_with('\t');
+        content = without_blanks(content);
+        rest_.remove_prefix(
+            rest_.substr(end).starts_with("\r\n") ? end + 2 : std::min(end + 1, rest_.size()));
+        ++line_;
         // Behind numbers a comment may follow; in a line of names "#1" is part of a name.
         const std::size_t mark = content.find(comment_);
         if (mark == 0 || (mark != std::string::npos && begins_number(content))) {
@@ -159,7 +189,9 @@ bool TextTable::next() {
             content = without_blanks(content.substr(0, mark));
         }
         if (content.empty() || content == "\x1a") continue;
+        content_ = content;
         fields_ = split(content);
+        ReadingBudget::require_values(fields_.size(), file_, line_);
         if (!fields_.empty()) return true;
     }
     return false;
@@ -177,10 +209,9 @@ std::vector<std::string> TextTable::split(std::string_view content) const {
 }
 
 void TextTable::take_names() {
-    const std::string_view content = lines_[static_cast<std::size_t>(line_ - 1)];
     separator_ = ' ';
     for (const char separator : {',', '\t', ';'}) {
-        if (separates(content, separator)) separator_ = separator;
+        if (separates(content_, separator)) separator_ = separator;
     }
     names_ = fields_.size();
 }
@@ -221,6 +252,7 @@ NumberTable::NumberTable(const std::string& path) : path_(path) {
                             "between the fields",
                             fields.size(), names_.size()));
         }
+        ReadingBudget::require_values((lines_.size() + 1) * fields.size(), path_, table.line());
         for (std::size_t c = 0; c < fields.size(); ++c) {
             columns_[c].push_back(fields[c].empty() ? std::numeric_limits<double>::quiet_NaN()
                                                     : table.number(fields[c]));

@@ -5,6 +5,7 @@
 #include <miebrdf/database.h>
 #include <miebrdf/index.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
@@ -14,9 +15,25 @@
 
 namespace miebrdf::materials {
 
-/// @throws ImportError  when it cannot be read or is larger than 256 MiB
-std::string read_bytes(const std::filesystem::path& file);
-/// The text without its byte-order mark. @throws ImportError  for UTF-16
+/// What one file may have and unpack to: one budget for all readers, so that none of them exhausts
+/// memory or time.
+struct ReadingBudget {
+    static constexpr std::uintmax_t kBytes = 256u << 20;
+    static constexpr std::size_t kValues = 4'000'000;  ///< numbers, fields or lines
+    /// Plain numbers of databases of single scattering, in files of up to kLargeBytes.
+    static constexpr std::size_t kNumbers = 60'000'000;
+    static constexpr std::uintmax_t kLargeBytes = 1u << 30;
+
+    /// @throws ImportError  above most
+    static void require_values(std::size_t count, const std::string& file, int line = 0,
+                               std::size_t most = kValues);
+};
+
+/// @param most  bytes
+/// @throws ImportError  when it cannot be read, is no ordinary file, or is larger
+std::string read_bytes(const std::filesystem::path& file,
+                       std::uintmax_t most = ReadingBudget::kBytes);
+/// The text without its byte-order mark. @throws ImportError  for UTF-16, and too many lines
 std::string without_mark(std::string text, const std::string& file);
 /// The same of a file that must be text. @throws ImportError  for other bytes, too
 std::string text_of(std::string bytes, const std::string& file);
@@ -51,6 +68,9 @@ class TextTable {
     const std::vector<std::string>& fields() const { return fields_; }
     const std::string& file() const { return file_; }
     int line() const { return line_; }
+    /// The current line without its comment.
+    std::string_view content() const { return content_; }
+    bool ends_with_blank() const { return ends_with_blank_; }
     /// The text of comments, without their mark and blanks.
     const std::vector<std::string>& comments() const { return comments_; }
 
@@ -61,7 +81,9 @@ class TextTable {
   private:
     std::vector<std::string> split(std::string_view content) const;
 
-    std::vector<std::string_view> lines_;
+    std::string_view rest_;  ///< of the text
+    std::string_view content_;
+    bool ends_with_blank_ = false;
     std::string file_;
     char comment_;
     char separator_ = '\0';  ///< of the names; none yet

@@ -380,9 +380,12 @@ void require_average(const EnsembleRequest& request) {
     require_angles(request.angles_deg);
     if (request.aspect) return;
     const Ensemble ensemble = ensemble_of(request);
-    if (!(ensemble.smallest_x() >= 1e-30 && ensemble.largest_x() <= 1e5)) {
+    // Orders are those of the outermost shell.
+    const double largest = ensemble.scatterer.outer_x(ensemble.largest_x());
+    if (!(ensemble.smallest_x() >= 1e-30 && largest <= 1e5)) {
         throw UsageError("size parameters",
-                         fmt::format("{} to {}", ensemble.smallest_x(), ensemble.largest_x()),
+                         fmt::format("{} to {}{}", ensemble.smallest_x(), largest,
+                                     largest > ensemble.largest_x() ? " with coatings" : ""),
                          "1e-30 to 1e5 in an ensemble");
     }
 }

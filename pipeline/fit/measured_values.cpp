@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "pipeline/measured/reader.h"
 #include "pipeline/scene/number_list.h"
 
 namespace miebrdf::fitting {
@@ -88,7 +89,7 @@ void complete(MeasuredValue& value, const MeasuredOptions& options) {
 }
 
 void keep_ranges(std::vector<MeasuredValue>& values,
-                 const std::vector<std::pair<double, double>>& ranges) {
+                 const std::vector<std::pair<double, double>>& ranges, const std::string& doubts) {
     double first = std::numeric_limits<double>::infinity(), last = 0.0;
     for (const MeasuredValue& value : values) {
         first = std::min(first, value.wavelength_nm);
@@ -103,9 +104,9 @@ void keep_ranges(std::vector<MeasuredValue>& values,
                          return value.wavelength_nm >= from && value.wavelength_nm <= to;
                      });
         if (kept.size() == before)
-            throw UsageError(
-                fmt::format("wavelengths {}:{} nm: no value is there; the data have {} to {} nm",
-                            from, to, first, last));
+            throw UsageError(fmt::format(
+                "wavelengths {}:{} nm: no value is there; the data have {} to {} nm{}{}", from, to,
+                first, last, doubts.empty() ? "" : ". What was left out: ", doubts));
     }
     values = std::move(kept);
 }
@@ -115,6 +116,7 @@ void keep_ranges(std::vector<MeasuredValue>& values,
 void read_values(const MeasuredWords& words, FitData& data) {
     std::vector<MeasuredValue>& values = data.values;
     if (words.file.empty()) {
+        measured::check(words.options);
         values = written_values(words);
     } else {
         Measurements measured = read_measured(words.file, words.options);
@@ -122,10 +124,20 @@ void read_values(const MeasuredWords& words, FitData& data) {
             throw UsageError(fmt::format("{} has {} samples; name one: column = \"{}\"", words.file,
                                          measured.samples.size(),
                                          fmt::join(measured.samples, "\" or \"")));
+        const auto is_lab = [](const MeasuredValue& v) {
+            return v.quantity >= MeasuredQuantity::lab_l;
+        };
+        const auto colours = std::count_if(measured.values.begin(), measured.values.end(), is_lab);
+        if (colours != 0 && std::size_t(colours) != measured.values.size())
+            throw UsageError(
+                fmt::format("{} has spectra and Lab of the same sample; say which: "
+                            "quantity = \"lab\", or that of the spectrum",
+                            words.file));
         values = std::move(measured.values);
         data.doubts = std::move(measured.doubts);
     }
-    if (!words.ranges.empty()) keep_ranges(values, words.ranges);
+    if (!words.ranges.empty())
+        keep_ranges(values, words.ranges, fmt::format("{}", fmt::join(data.doubts, "; ")));
     for (MeasuredValue& value : values) complete(value, words.options);
 }
 

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "materials/readers/text.h"
+
 namespace miebrdf {
 namespace {
 
@@ -149,11 +151,8 @@ double rounded(double value, int digits) {
 
 void write_csv(const Table& table, std::ostream& out) {
     for (const auto& [name, value] : table.facts) {
-        std::string line = text_of(value);
-        for (char& c : line) {
-            if (c == '\n' || c == '\r') c = ' ';
-        }
-        out << "# " << name << ": " << line << '\n';
+        out << "# " << materials::printable(name) << ": " << materials::printable(text_of(value))
+            << '\n';
     }
     Pieces pieces(out);
     if (!table.columns.empty()) {

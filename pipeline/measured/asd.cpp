@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 
-#include "pipeline/formats/common/byte_reader.h"
+#include "materials/readers/text.h"
 #include "pipeline/measured/reader.h"
 
 namespace miebrdf::measured {
@@ -34,9 +36,23 @@ Number number_at(std::string_view bytes, std::size_t place) {
     return number;
 }
 
-std::vector<double> spectrum_of(ByteReader& bytes, int format, std::size_t channels) {
+std::string_view take(const MeasuredFile& file, std::string_view& bytes, std::size_t count) {
+    if (count > bytes.size()) {
+        refuse(file, 0,
+               fmt::format("the file ends {} bytes early (at byte {})", count - bytes.size(),
+                           file.content.size()));
+    }
+    const std::string_view part = bytes.substr(0, count);
+    bytes.remove_prefix(count);
+    return part;
+}
+
+/// Takes a spectrum off the bytes. @throws ImportError  where they end early
+std::vector<double> spectrum_of(const MeasuredFile& file, std::string_view& bytes, int format,
+                                std::size_t channels) {
     std::vector<double> values;
-    const std::string_view part = bytes.take(channels * (format == 2 ? 8 : 4));
+    const std::size_t size = channels * (format == 2 ? 8 : 4);
+    const std::string_view part = take(file, bytes, size);
     for (std::size_t i = 0; i < channels; ++i) {
         values.push_back(format == 2   ? number_at<double>(part, 8 * i)
                          : format == 0 ? double(number_at<float>(part, 4 * i))
@@ -61,7 +77,9 @@ Measurements read_asd(const MeasuredFile& file, const MeasuredOptions&) {
     const int channels = number_at<std::int16_t>(file.content, kChannels);
     const double first = double(number_at<float>(file.content, kFirstWavelength));
     const double step = double(number_at<float>(file.content, kStep));
-    if (!(first > 0.0 && step > 0.0 && channels > 1 && channels < kMostChannels) || format > 2) {
+    if (!(first > 0.0 && step > 0.0 && std::isfinite(first + step * channels) && channels > 1 &&
+          channels < kMostChannels) ||
+        format > 2) {
         refuse(file, 0,
                fmt::format("damaged header: {} channels from {} nm in steps of {} nm, number "
                            "format {}",
@@ -76,43 +94,30 @@ Measurements read_asd(const MeasuredFile& file, const MeasuredOptions&) {
                            "export reflectance from the instrument's program",
                            type_name(type)));
     }
-    std::vector<double> values, nm;
-    try {
-        ByteReader bytes(file.content);
-        bytes.seek(kSpectrum);
-        values = spectrum_of(bytes, format, static_cast<std::size_t>(channels));
-        if (ratio) {
-            const std::string_view between = bytes.take(kBeforeText + 2);
-            bytes.take(number_at<std::uint16_t>(between, kBeforeText));
-            const std::vector<double> panel =
-                spectrum_of(bytes, format, static_cast<std::size_t>(channels));
-            // Integration time and gains are the same for both, and leave the ratio.
-            for (std::size_t i = 0; i < values.size(); ++i) values[i] /= panel[i];
-        }
-    } catch (const InputError& error) {
-        refuse(file, 0, error.what());
+    std::string_view bytes = file.content.substr(kSpectrum);
+    const auto count = static_cast<std::size_t>(channels);
+    std::vector<double> values = spectrum_of(file, bytes, format, count), nm;
+    if (ratio) {
+        const std::string_view between = take(file, bytes, kBeforeText + 2);
+        take(file, bytes, number_at<std::uint16_t>(between, kBeforeText));
+        const std::vector<double> panel = spectrum_of(file, bytes, format, count);
+        // Integration time and gains are the same for both, and leave the ratio.
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] /= panel[i];
     }
-    std::vector<double> finite;
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!std::isfinite(values[i])) continue;
-        finite.push_back(values[i]);
         nm.push_back(first + step * double(i));
-    }
-    if (finite.size() < values.size()) {
-        list.doubts.push_back(
-            fmt::format("{}: {} channels without a number (a white panel of 0), "
-                        "left out",
-                        file.path, values.size() - finite.size()));
+        if (is_fill(values[i])) values[i] = MeasuredValue::kNone;  // a panel of 0, too
     }
     list.facts.emplace_back("data",
                             type_name(type) + (ratio ? ", relative to the white panel" : ""));
     const std::string_view words = file.content.substr(3, 157);
-    const std::string comment(words.substr(0, std::min(words.find('\0'), words.size())));
+    const std::string comment =
+        materials::as_utf8(words.substr(0, std::min(words.find('\0'), words.size())));
     if (!comment.empty()) list.facts.emplace_back("comment", comment);
     const auto quantity = type == kTransmittance ? MeasuredQuantity::transmittance
                                                  : MeasuredQuantity::reflectance_factor;
     add_spectrum(list, "spectrum", {quantity, MeasuredGeometry::unknown}, MeasuredValue::kNone, nm,
-                 finite);
+                 values);
     return list;
 }
 

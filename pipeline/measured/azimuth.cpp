@@ -115,8 +115,11 @@ void set_directions(Measurements& list, const std::vector<RawDirection>& raw,
     const bool has_azimuth = std::any_of(raw.begin(), raw.end(), [&](const auto& d) {
         return std::isnan(list.values[d.value].azimuth_deg) && !std::isnan(d.theta_out);
     });
-    if (!has_azimuth) return;
-    const Zero zero = zero_of(list, raw, options, file);
+    const bool turned = std::any_of(raw.begin(), raw.end(), [](const auto& d) {
+        return d.theta_out < 0.0 || d.theta_in < 0.0;
+    });
+    if (!has_azimuth && !turned) return;
+    const Zero zero = has_azimuth ? zero_of(list, raw, options, file) : Zero::mirror;
     // A positive theta_out without any azimuth lies where 0 is, if others are negative.
     const bool signed_plane =
         std::any_of(raw.begin(), raw.end(), [](const auto& d) { return d.theta_out < 0.0; });
@@ -124,7 +127,13 @@ void set_directions(Measurements& list, const std::vector<RawDirection>& raw,
         MeasuredValue& value = list.values[d.value];
         const bool there = !std::isnan(d.phi) || !std::isnan(d.phi_out) || d.theta_out < 0.0 ||
                            d.theta_in < 0.0 || value.mu_in >= 1.0 || value.mu_out >= 1.0;
-        if (!std::isnan(value.azimuth_deg) || std::isnan(d.theta_out)) continue;
+        if (!std::isnan(value.azimuth_deg)) {
+            // A negative angle lies on the other side of the normal.
+            if ((d.theta_out < 0.0) != (d.theta_in < 0.0))
+                value.azimuth_deg = in_circle(value.azimuth_deg + 180.0);
+            continue;
+        }
+        if (std::isnan(d.theta_out)) continue;
         double azimuth = relative_azimuth(d);
         if (zero == Zero::coordinates) {
             double phi_in = std::isnan(d.phi_in) ? 0.0 : d.phi_in;

@@ -7,6 +7,8 @@
 
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
+#include "pipeline/measured/columns.h"
 #include "pipeline/measured/sheet.h"
 
 namespace miebrdf::measured {
@@ -59,11 +61,12 @@ CgatsTable parse_cgats(const MeasuredFile& file) {
     enum { kHeader, kFields, kData } part = kHeader;
     bool ended = false;
     int line = 0;
-    std::size_t sets = 0;
+    std::size_t sets = 0, cells = 0;
     for (const std::string_view text : materials::split_lines(file.content)) {
         ++line;
         const std::vector<std::string> words = cgats_words(text);
         if (words.empty()) continue;
+        materials::ReadingBudget::require_values(cells += words.size(), file.path, line);
         if (words[0] == "BEGIN_DATA_FORMAT") {
             if (ended) break;  // a second table
             part = kFields;
@@ -109,12 +112,36 @@ double cgats_norm(const MeasuredFile& file, const CgatsTable& table, const std::
     return *value;
 }
 
+/// What the file says of the measurement: reflective, transmissive, or light of a source, of which
+/// no share can be made. ArgyllCMS: MEAS_TYPE and DEVICE_CLASS.
+ValueMeaning cgats_meaning(const MeasuredFile& file, const CgatsTable& table,
+                           const MeasuredOptions& options) {
+    ValueMeaning meaning;
+    for (const char* keyword : {"MEAS_TYPE", "DEVICE_CLASS", "MEASUREMENT_TYPE"}) {
+        const std::string word = table.keyword(keyword), text = lower_case(word);
+        const auto has = [&](std::string_view part) {
+            return text.find(part) != std::string::npos;
+        };
+        if (has("transm")) {
+            meaning.kind.quantity = MeasuredQuantity::transmittance;
+        } else if (has("emis") || has("ambient") || has("flash") || has("display") ||
+                   has("sensitivity") || has("radian") || has("light")) {
+            meaning.refused = "light of a source";
+        }
+        if (!meaning.refused.empty() && options.quantity.empty())
+            refuse(file, 0, refusal_of(std::string(keyword) + " " + word, meaning.refused));
+    }
+    return meaning;
+}
+
 bool looks_like_cgats(const MeasuredFile& file) {
     return file.content.find("BEGIN_DATA_FORMAT") != std::string_view::npos;
 }
 
 Measurements read_cgats(const MeasuredFile& file, const MeasuredOptions& options) {
     const CgatsTable table = parse_cgats(file);
+    const ValueMeaning meaning = cgats_meaning(file, table, options);
+    const bool transmitted = meaning.kind.quantity == MeasuredQuantity::transmittance;
     Measurements list;
     NamedGeometry geometry;
     for (const char* name : {"MEASUREMENT_GEOMETRY", "GEOMETRY", "MEASUREMENT_SOURCE",
@@ -137,7 +164,7 @@ Measurements read_cgats(const MeasuredFile& file, const MeasuredOptions& options
             field == "sample_loc")
             names.push_back(f);
     }
-    if (spectral.empty() && lab[0] < 0) {
+    if (spectral.empty() && (lab[0] < 0 || transmitted)) {
         refuse(file, 0,
                fmt::format("neither spectra nor Lab; the fields are {} ...", table.fields.front()));
     }
@@ -154,7 +181,7 @@ Measurements read_cgats(const MeasuredFile& file, const MeasuredOptions& options
         for (const std::size_t f : names) name += (name.empty() ? "" : " ") + row[f];
         if (name.empty()) name = fmt::format("row {}", list.samples.size() + 1);
         const auto number = [&](const std::string& text) {
-            const auto value = materials::parse_number(text);
+            const auto value = measured_number(text);
             if (!value) refuse(file, line, fmt::format("'{}' is not a number", text));
             return *value;
         };
@@ -163,12 +190,14 @@ Measurements read_cgats(const MeasuredFile& file, const MeasuredOptions& options
             nm.push_back(wavelength);
             values.push_back(number(row[f]) * factor);
         }
-        const auto quantity = geometry.geometry == MeasuredGeometry::d45_0
-                                  ? MeasuredQuantity::reflectance_factor
-                                  : MeasuredQuantity::reflectance;
-        add_spectrum(list, name, {quantity, geometry.geometry}, geometry.mu_in, nm, values,
-                     std::vector<int>(nm.size(), line));
-        if (lab[0] < 0 || lab[1] < 0 || lab[2] < 0) continue;
+        MeasuredKind kind = meaning.kind;
+        if (!transmitted) kind.geometry = geometry.geometry;
+        if (kind.geometry == MeasuredGeometry::d45_0)
+            kind.quantity = MeasuredQuantity::reflectance_factor;
+        add_spectrum(list, name, kind, transmitted ? MeasuredValue::kNone : geometry.mu_in, nm,
+                     values, std::vector<int>(nm.size(), line));
+        // Lab of transmitted light is no colour of a surface.
+        if (transmitted || lab[0] < 0 || lab[1] < 0 || lab[2] < 0) continue;
         const auto at = [&](std::size_t c) {
             return number(row[static_cast<std::size_t>(lab[c])]);
         };

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-
+#include <set>
 #include <tuple>
 
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 #include "pipeline/measured/reader.h"
 
 namespace miebrdf::measured {
@@ -29,6 +30,100 @@ std::string place(const Measurements& list, const MeasuredValue& value) {
 [[noreturn]] void refuse_value(const Measurements& list, const MeasuredValue& value,
                                const std::string& reason) {
     throw materials::ImportError(list.file, value.line, reason);
+}
+
+bool is_lab(MeasuredQuantity quantity) { return quantity >= MeasuredQuantity::lab_l; }
+
+/// Texts of files reach terminals: control characters become blanks.
+void make_printable(Measurements& list) {
+    const auto clean = [](std::string& text) { text = materials::printable(text); };
+    for (std::string& name : list.samples) clean(name);
+    for (std::string& doubt : list.doubts) clean(doubt);
+    for (auto& [name, text] : list.facts) {
+        clean(name);
+        clean(text);
+    }
+}
+
+/// Samples of one name stay apart: "P1", "P1 (2)".
+void name_samples_apart(Measurements& list) {
+    std::map<std::string, int> seen;
+    std::size_t renamed = 0;
+    std::string example;
+    for (const std::string& name : list.samples) seen.emplace(name, 0);
+    for (std::string& name : list.samples) {
+        if (seen[name]++ == 0) continue;
+        std::string other;
+        int& number = seen[name];
+        do {
+            other = fmt::format("{} ({})", name, number++);
+        } while (seen.count(other) != 0);
+        --number;
+        seen[other] = 1;
+        if (renamed++ == 0) example = fmt::format("'{}' is '{}'", name, other);
+        name = other;
+    }
+    if (renamed == 0) return;
+    list.doubts.push_back(fmt::format("{}: {} sample{} with the name of another: the second {}",
+                                      list.file, renamed, renamed > 1 ? "s" : "", example));
+}
+
+/// Of several kinds in a file the one asked for is kept; of one kind the words may say otherwise.
+/// @throws UsageError  where none fits
+void choose_quantity(Measurements& list, const MeasuredOptions& options) {
+    if (options.quantity.empty()) return;
+    const MeasuredKind asked = measured_kind(options.quantity);
+    const bool asks_lab = is_lab(asked.quantity);
+    std::set<std::pair<MeasuredQuantity, MeasuredGeometry>> kinds;
+    for (const MeasuredValue& v : list.values)
+        kinds.emplace(is_lab(v.quantity) ? MeasuredQuantity::lab_l : v.quantity, v.geometry);
+    const auto lab = std::count_if(kinds.begin(), kinds.end(),
+                                   [](const auto& kind) { return is_lab(kind.first); });
+    if (asks_lab ? lab == 0 : std::size_t(lab) == kinds.size()) {
+        std::string there;
+        for (const auto& [quantity, geometry] : kinds)
+            there += (there.empty() ? "" : ", ") +
+                     std::string(is_lab(quantity) ? "lab" : word_of(quantity));
+        throw UsageError("quantity", options.quantity,
+                         fmt::format("what {} has: {}", list.file, there));
+    }
+    const auto keep = [&](auto is_kept) {
+        std::erase_if(list.values, [&](const MeasuredValue& v) { return !is_kept(v); });
+    };
+    if (lab > 0) {
+        keep([&](const MeasuredValue& v) { return is_lab(v.quantity) == asks_lab; });
+        std::erase_if(kinds, [&](const auto& kind) { return is_lab(kind.first) != asks_lab; });
+    }
+    if (asks_lab || kinds.size() == 1) return;
+    const auto has = [&](auto is) { return std::any_of(kinds.begin(), kinds.end(), is); };
+    const auto same = [&](const auto& kind) {
+        return kind.first == asked.quantity &&
+               (asked.geometry == MeasuredGeometry::unknown || kind.second == asked.geometry);
+    };
+    const auto of_quantity = [&](const auto& kind) { return kind.first == asked.quantity; };
+    if (has(same))
+        keep([&](const MeasuredValue& v) { return same(std::pair(v.quantity, v.geometry)); });
+    else if (has(of_quantity))
+        keep([&](const MeasuredValue& v) { return v.quantity == asked.quantity; });
+    else
+        throw UsageError(fmt::format(
+            "quantity '{}': {} has several quantities, and none of them is it; name a column",
+            options.quantity, list.file));
+}
+
+/// Leaves out what has no value, and says how much.
+void drop_missing(Measurements& list) {
+    const MeasuredValue* first = nullptr;
+    std::size_t count = 0;
+    for (const MeasuredValue& v : list.values) {
+        if (!std::isnan(v.value)) continue;
+        if (count++ == 0) first = &v;
+    }
+    if (count == 0) return;
+    if (count == list.values.size()) refuse_value(list, *first, "no number");
+    list.doubts.push_back(fmt::format("{}: no number; left out{}", place(list, *first),
+                                      count > 1 ? fmt::format(" ({} in all)", count) : ""));
+    std::erase_if(list.values, [](const MeasuredValue& v) { return std::isnan(v.value); });
 }
 
 void keep_column(Measurements& list, const std::string& column) {
@@ -52,21 +147,6 @@ void keep_column(Measurements& list, const std::string& column) {
     list.samples = {*found};
 }
 
-void check_options(const MeasuredOptions& options) {
-    const auto cosine = [](const char* name, const std::optional<double>& mu) {
-        if (mu && !(*mu > 0.0 && *mu <= 1.0)) throw UsageError(name, *mu, "(0, 1]");
-    };
-    cosine("mu_in", options.mu_in);
-    cosine("mu_out", options.mu_out);
-    const auto positive = [](const char* name, const std::optional<double>& number) {
-        if (number && !(*number > 0.0 && std::isfinite(*number)))
-            throw UsageError(name, *number, "above 0");
-    };
-    positive("wavelength_nm", options.wavelength_nm);
-    positive("sigma", options.sigma);
-    positive("relative_sigma", options.relative_sigma);
-}
-
 void fill(double& number, const std::optional<double>& given) {
     if (std::isnan(number) && given) number = *given;
 }
@@ -75,7 +155,7 @@ void fill_in(MeasuredValue& value, const MeasuredOptions& options) {
     if (!options.quantity.empty()) {
         const MeasuredKind kind = measured_kind(options.quantity);
         // "lab" is three quantities, which the file tells apart.
-        if (kind.quantity != MeasuredQuantity::lab_l) value.quantity = kind.quantity;
+        if (!is_lab(kind.quantity)) value.quantity = kind.quantity;
         if (kind.geometry != MeasuredGeometry::unknown) value.geometry = kind.geometry;
     }
     fill(value.wavelength_nm, options.wavelength_nm);
@@ -105,9 +185,11 @@ void fill_in(MeasuredValue& value, const MeasuredOptions& options) {
 
 void check_value(const Measurements& list, const MeasuredValue& value) {
     if (!std::isfinite(value.value)) refuse_value(list, value, "a value is not finite");
-    if (!std::isnan(value.wavelength_nm) && !(value.wavelength_nm > 0.0)) {
-        refuse_value(list, value,
-                     fmt::format("wavelength {} nm; allowed: above 0", value.wavelength_nm));
+    if (!std::isnan(value.wavelength_nm) &&
+        !(value.wavelength_nm > 0.0 && std::isfinite(value.wavelength_nm))) {
+        refuse_value(
+            list, value,
+            fmt::format("wavelength {} nm; allowed: finite and above 0", value.wavelength_nm));
     }
     if (!std::isnan(value.sigma) && !(value.sigma >= 0.0 && std::isfinite(value.sigma)))
         refuse_value(list, value, fmt::format("sigma {}; allowed: 0 or more", value.sigma));
@@ -119,14 +201,63 @@ void check_value(const Measurements& list, const MeasuredValue& value) {
                         "allowed: less than 90",
                         std::acos(std::clamp(mu, -1.0, 1.0)) * 180.0 / std::numbers::pi, mu));
     }
-    if (is_share(value.quantity) && value.value > kLargestShare &&
-        value.geometry != MeasuredGeometry::directions) {
-        refuse_value(list, value,
-                     fmt::format("{} is {}; allowed: up to {}, a share of 1. Values in percent: "
-                                 "say so with the option percent, or in the name of the column, "
-                                 "as in 'reflectance (%)'",
-                                 word_of(value.quantity), value.value, kLargestShare));
+}
+
+bool is_limited(const MeasuredValue& v) {
+    return is_share(v.quantity) && v.geometry != MeasuredGeometry::directions;
+}
+/// A share that no sample has: noise of a detector, or percent.
+bool is_wild(const MeasuredValue& v) { return is_limited(v) && std::abs(v.value) > kLargestShare; }
+
+[[noreturn]] void refuse_percent(const Measurements& list, const MeasuredValue& value) {
+    refuse_value(list, value,
+                 fmt::format("{} is {}; allowed: up to {}, a share of 1. Values in percent: "
+                             "say so with the option percent, or in the name of the column, "
+                             "as in 'reflectance (%)'",
+                             word_of(value.quantity), value.value, kLargestShare));
+}
+
+/// Values that no sample has are left out where they are noise, and refused where they are percent:
+/// of a spectrum in percent the middle value is too large, or the large ones follow each other
+/// smoothly. @param list  sorted: each spectrum in one piece
+void drop_wild(Measurements& list) {
+    constexpr double kSmooth = 0.25;  // of a value: noise differs by more from the value beside it
+    const std::vector<MeasuredValue>& all = list.values;
+    std::size_t count = 0, first = 0;
+    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+        std::vector<double> shares;
+        std::size_t wild = 0, smooth = 0, first_large = all.size();
+        for (end = begin; end < all.size() && all[end].sample == all[begin].sample &&
+                          all[end].quantity == all[begin].quantity;
+             ++end) {
+            const MeasuredValue& v = all[end];
+            if (!is_limited(v)) continue;
+            shares.push_back(v.value);
+            if (!is_wild(v)) continue;
+            if (count + wild == 0) first = end;
+            ++wild;
+            if (v.value > 0.0) first_large = std::min(first_large, end);
+            const auto near = [&](std::size_t i) {
+                return std::abs(all[i].value - v.value) <= kSmooth * std::abs(v.value);
+            };
+            if ((end > begin && near(end - 1)) ||
+                (end + 1 < all.size() && all[end + 1].sample == v.sample && near(end + 1)))
+                ++smooth;
+        }
+        if (wild == 0) continue;
+        const auto middle = shares.begin() + std::ptrdiff_t(shares.size() / 2);
+        std::nth_element(shares.begin(), middle, shares.end());
+        const bool percent = *middle > 1.0 || 2 * smooth > wild;
+        if (percent || wild == shares.size())
+            refuse_percent(list, all[first_large < all.size() ? first_large : begin]);
+        count += wild;
     }
+    if (count == 0) return;
+    list.doubts.push_back(
+        fmt::format("{}: {} is {}, beyond {}: noise; left out ({} value{} in all)",
+                    place(list, all[first]), word_of(all[first].quantity), all[first].value,
+                    kLargestShare, count, count > 1 ? "s" : ""));
+    std::erase_if(list.values, is_wild);
 }
 
 /// How many values something is true of, said once with the first of them.
@@ -257,6 +388,21 @@ void describe(Measurements& list) {
 
 }  // namespace
 
+void check(const MeasuredOptions& options) {
+    const auto cosine = [](const char* name, const std::optional<double>& mu) {
+        if (mu && !(*mu > 0.0 && *mu <= 1.0)) throw UsageError(name, *mu, "(0, 1]");
+    };
+    cosine("mu_in", options.mu_in);
+    cosine("mu_out", options.mu_out);
+    const auto positive = [](const char* name, const std::optional<double>& number) {
+        if (number && !(*number > 0.0 && std::isfinite(*number)))
+            throw UsageError(name, *number, "above 0");
+    };
+    positive("wavelength_nm", options.wavelength_nm);
+    positive("sigma", options.sigma);
+    positive("relative_sigma", options.relative_sigma);
+}
+
 double share_factor(Measurements& list, const MeasuredOptions& options, bool file_says_percent,
                     std::string_view where) {
     const bool percent = options.percent.value_or(file_says_percent);
@@ -300,9 +446,14 @@ void add_lab(Measurements& list, MeasuredGeometry geometry, const std::array<dou
 }
 
 void complete(Measurements& list, const MeasuredOptions& options) {
-    check_options(options);
+    check(options);
+    materials::ReadingBudget::require_values(list.values.size(), list.file);
+    make_printable(list);
+    name_samples_apart(list);
     if (!options.column.empty()) keep_column(list, options.column);
     if (list.values.empty()) throw materials::ImportError(list.file, 0, "has no values");
+    choose_quantity(list, options);
+    drop_missing(list);
     double longest = 0.0;
     for (MeasuredValue& value : list.values) {
         fill_in(value, options);
@@ -334,6 +485,7 @@ void complete(Measurements& list, const MeasuredOptions& options) {
     else
         std::stable_sort(list.values.begin(), list.values.end(), in_file);
     refuse_repeated(list);
+    drop_wild(list);
     doubt_values(list);
     doubt_gaps(list);
     describe(list);

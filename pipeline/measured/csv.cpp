@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -19,14 +20,12 @@ namespace {
 
 using materials::lower_case;
 
-/// Wavelengths of a column without a unit: numbers below are micrometres, above nanometres.
-constexpr double kLeastNm = 100.0;
-
 struct ValueColumn {
     std::size_t index = 0;
     std::string name;
     std::optional<MeasuredKind> kind;  ///< nothing: the rows say it, or the options
     bool times_mu_out = false;
+    Conversion conversion = Conversion::none;
     double factor = 1.0;
     std::optional<std::size_t> sigma = {}, wavelength = {};
 };
@@ -34,45 +33,86 @@ struct ValueColumn {
 /// A table whose lines have one wavelength or direction each.
 class LongTable {
   public:
-    LongTable(const MeasuredFile& file, Sheet sheet, const MeasuredOptions& options)
-        : file_(file), sheet_(std::move(sheet)), options_(options) {
-        for (std::size_t c = 0; c < sheet_.names.size(); ++c)
-            roles_.push_back(column_role(sheet_.names[c]));
+    /// @param rows_of_spectra  where the last column of the sheet stands for all its wavelengths
+    LongTable(const MeasuredFile& file, Sheet sheet, const MeasuredOptions& options,
+              const Sheet* rows_of_spectra = nullptr)
+        : file_(file),
+          sheet_(std::move(sheet)),
+          options_(options),
+          rows_of_spectra_(rows_of_spectra) {
+        for (const std::string& name : sheet_.names) {
+            roles_.push_back(column_role(name));
+            ++named_so_[name];
+        }
+        first_.fill(kNone);
+        std::size_t nearest = kNone;
+        for (std::size_t c = 0; c < roles_.size(); ++c) {
+            if (roles_[c].role == Role::wavelength) nearest = c;
+            nearest_.push_back(nearest);
+        }
+        for (std::size_t c = roles_.size(); c-- > 0;) first_[std::size_t(roles_[c].role)] = c;
         // `phi` beside the azimuth of reflection is that of incidence.
         if (find(Role::phi_out) && !find(Role::phi_in)) {
             for (ColumnRole& column : roles_) {
                 if (column.role == Role::phi) column.role = Role::phi_in;
             }
+            std::swap(first_[std::size_t(Role::phi)], first_[std::size_t(Role::phi_in)]);
         }
+        name_single_letters();
     }
 
     Measurements read() {
         choose_columns();
         find_sigmas();
         find_units();
+        find_angles_in_radians();
         for (ValueColumn& column : columns_) {
             const bool says = says_percent(sheet_.names[column.index]) ||
                               (sheet_.says_percent() && is_large(column));
-            column.factor = share_factor(list_, options_, says, column.name);
+            if (column.conversion == Conversion::none)
+                column.factor = share_factor(list_, options_, says, column.name);
         }
         drop_repeated_facts();
-        for (const SheetRow& row : sheet_.rows) read_row(row);
+        if (rows_of_spectra_ == nullptr) {
+            for (const SheetRow& row : sheet_.rows) read_row(row);
+        } else {
+            read_rows_of_spectra();
+        }
         if (!raw_.empty()) set_directions(list_, raw_, options_, file_);
-        if (list_.values.empty()) refuse(file_, first_missing_, "no number");
-        if (missing_ > 0) {
-            list_.doubts.push_back(
-                fmt::format("{}:{}: no number; left out{}", file_.path, first_missing_,
-                            missing_ > 1 ? fmt::format(" ({} in all)", missing_) : std::string()));
+        if (sheet_.lines_below > 0) {
+            list_.facts.emplace_back(
+                "lines below the values, not read",
+                fmt::format("{}, from line {}", sheet_.lines_below, sheet_.first_below));
         }
         return std::move(list_);
     }
 
   private:
+    static constexpr std::size_t kNone = ~std::size_t{0};
+
     std::optional<std::size_t> find(Role role) const {
-        for (std::size_t c = 0; c < roles_.size(); ++c) {
-            if (roles_[c].role == role) return c;
+        const std::size_t c = first_[std::size_t(role)];
+        return c == kNone ? std::optional<std::size_t>() : c;
+    }
+    /// "L", "a", "b" are CIELab. "A" beside "R" or "T" is absorptance or absorbance: it is not
+    /// read.
+    void name_single_letters() {
+        std::map<std::string, std::size_t> at;
+        for (std::size_t c = 0; c < roles_.size(); ++c) at.emplace(bare_name(sheet_.names[c]), c);
+        const auto a = at.find("a");
+        if (a == at.end() || roles_[a->second].role != Role::value) return;
+        const auto l = at.find("l"), b = at.find("b");
+        if (l != at.end() && b != at.end()) {
+            using enum MeasuredQuantity;
+            for (const auto& [c, quantity] : {std::pair(l, lab_l), {a, lab_a}, {b, lab_b}}) {
+                roles_[c->second] = {Role::value, {}, MeasuredKind{quantity, {}}};
+            }
+        } else if (at.count("r") + at.count("t") + at.count("reflectance") +
+                       at.count("transmittance") >
+                   0) {
+            roles_[a->second] = {.role = Role::refused,
+                                 .refused = "absorptance or absorbance, which is not said"};
         }
-        return std::nullopt;
     }
     bool has_numbers(std::size_t column) const {
         return std::any_of(sheet_.rows.begin(), sheet_.rows.end(), [&](const SheetRow& row) {
@@ -89,35 +129,56 @@ class LongTable {
     /// The columns of values: the one asked for; those whose names are known; else all that are
     /// left.
     void choose_columns() {
-        std::vector<std::size_t> asked, known, unknown;
+        std::vector<std::size_t> asked, known, unknown, refused;
         for (std::size_t c = 0; c < roles_.size(); ++c) {
             const Role role = roles_[c].role;
-            const bool free = role == Role::value || role == Role::other;
+            const bool free = role == Role::value || role == Role::other || role == Role::refused;
             // Columns of a known name must hold numbers: text is refused with its line.
-            if (!free || (role == Role::other && !has_numbers(c))) continue;
+            if (!free || (role != Role::value && !has_numbers(c))) continue;
             if (lower_case(sheet_.names[c]) == lower_case(options_.column)) asked.push_back(c);
-            (role == Role::value ? known : unknown).push_back(c);
+            (role == Role::value ? known : role == Role::other ? unknown : refused).push_back(c);
         }
-        const std::vector<std::size_t>& chosen = !asked.empty()   ? asked
-                                                 : !known.empty() ? known
-                                                                  : unknown;
+        std::vector<std::size_t> chosen = !asked.empty() ? asked : !known.empty() ? known : unknown;
+        // What the values are may be said in place of their name.
+        if (chosen.empty()) chosen = refused;
         if (chosen.empty()) {
             refuse(file_, sheet_.names_line,
                    fmt::format("no column of values; there are {}", fmt::join(sheet_.names, ", ")));
         }
+        const ValueMeaning otherwise = sheet_.meaning();
         for (const std::size_t c : chosen) {
-            columns_.push_back({c, sheet_.names[c], roles_[c].kind, roles_[c].times_mu_out});
+            ColumnRole& role = roles_[c];
+            if (role.role == Role::other) {
+                role.conversion = otherwise.conversion;
+                role.refused = otherwise.refused;
+                if (otherwise.conversion != Conversion::none ||
+                    otherwise.kind.quantity != MeasuredQuantity::reflectance)
+                    role.kind = otherwise.kind;
+            }
+            if (!role.refused.empty() && options_.quantity.empty())
+                refuse(file_, sheet_.names_line, refusal_of(sheet_.names[c], role.refused));
+            columns_.push_back({c, sheet_.names[c], role.kind, role.times_mu_out, role.conversion});
             set_wavelength(columns_.back());
+            if (role.conversion == Conversion::none) continue;
+            list_.facts.emplace_back(
+                columns_.back().name,
+                words_of(role.conversion, options_.quantity.empty()
+                                              ? role.kind->quantity
+                                              : measured_kind(options_.quantity).quantity));
         }
-        if (asked.empty() && !known.empty() && !unknown.empty()) {
-            std::vector<std::string> names(unknown.size());
-            std::transform(unknown.begin(), unknown.end(), names.begin(),
-                           [&](std::size_t c) { return sheet_.names[c]; });
-            list_.facts.emplace_back("columns not read", fmt::format("{}", fmt::join(names, ", ")));
+        std::vector<std::string> unread;
+        for (const auto* left : {&unknown, &refused}) {
+            for (const std::size_t c : *left) {
+                if (chosen != *left && asked.empty()) unread.push_back(sheet_.names[c]);
+            }
         }
+        say_unread(unread);
         const bool directions = find(Role::theta_out) || find(Role::mu_out);
         const bool says = !options_.quantity.empty() || find(Role::quantity);
         for (ValueColumn& column : columns_) {
+            // "Reflection" of spectrometers is no reflectance factor of directions.
+            if (column.kind == measured_kind("reflection") && !directions)
+                column.kind = MeasuredKind{};
             if (column.kind || says) continue;
             if (directions) {
                 refuse(file_, sheet_.names_line,
@@ -129,16 +190,92 @@ class LongTable {
         }
     }
 
+    void say_unread(const std::vector<std::string>& names) {
+        if (!names.empty())
+            list_.facts.emplace_back("columns not read", fmt::format("{}", fmt::join(names, ", ")));
+    }
+
+    /// Standard errors belong to the column that they name, else to the only one of the quantity
+    /// that they name ("R_std" beside "reflectance"), else to the one before them, else to the only
+    /// column. Others are not read, which is said.
     void find_sigmas() {
+        std::vector<std::string> unread;
+        std::map<std::string, std::vector<std::size_t>> by_name;
+        std::map<MeasuredQuantity, std::vector<std::size_t>> by_quantity;
+        std::map<std::size_t, std::size_t> by_place;
+        for (std::size_t i = 0; i < columns_.size(); ++i) {
+            by_name[without_mean(bare_name(columns_[i].name))].push_back(i);
+            if (columns_[i].kind) by_quantity[columns_[i].kind->quantity].push_back(i);
+            by_place[columns_[i].index] = i;
+        }
+        const auto sigmas =
+            std::count_if(roles_.begin(), roles_.end(),
+                          [](const ColumnRole& column) { return column.role == Role::sigma; });
         for (std::size_t c = 0; c < roles_.size(); ++c) {
             if (roles_[c].role != Role::sigma) continue;
-            const std::string of = sigma_of(sheet_.names[c]).value_or("");
-            for (ValueColumn& column : columns_) {
-                const bool named = !of.empty() && bare_name(column.name) == of;
-                const bool only = of.empty() && columns_.size() == 1;
-                const bool next = of.empty() && c == column.index + 1;
-                if (named || only || next) column.sigma = c;
+            const std::string of = without_mean(sigma_of(sheet_.names[c]).value_or(""));
+            const auto meaning = of.empty() ? std::nullopt : value_meaning(of);
+            std::vector<std::size_t> candidates;
+            if (!of.empty()) candidates = by_name[of];
+            if (candidates.empty() && meaning && meaning->refused.empty())
+                candidates = by_quantity[meaning->kind.quantity];
+            if (candidates.size() != 1) {
+                const auto before = by_place.find(c - 1);
+                const bool fits = of.empty() || !candidates.empty();
+                candidates.clear();
+                if (before != by_place.end() && fits) candidates = {before->second};
+                if (candidates.empty() && columns_.size() == 1 && sigmas == 1 && !meaning)
+                    candidates = {0};
             }
+            if (candidates.size() == 1 && !columns_[candidates[0]].sigma)
+                columns_[candidates[0]].sigma = c;
+            else if (has_numbers(c))
+                unread.push_back(sheet_.names[c]);
+        }
+        if (unread.empty()) return;
+        say_unread(unread);
+        list_.doubts.push_back(fmt::format(
+            "{}:{}: standard errors of no column that is read: {}. Name them after theirs, as in "
+            "reflectance,reflectance_sigma",
+            file_.path, sheet_.names_line, fmt::join(unread, ", ")));
+    }
+
+    /// "r_mean", "mean_r" -> "r".
+    static std::string without_mean(std::string name) {
+        for (const std::string word : {"mean", "average", "avg"}) {
+            if (name.ends_with("_" + word)) name.erase(name.size() - word.size() - 1);
+            if (name.starts_with(word + "_")) name.erase(0, word.size() + 1);
+        }
+        return name;
+    }
+
+    /// Angles of which a remark says so, or none of which can be degrees.
+    void find_angles_in_radians() {
+        double largest = 0.0;
+        bool said = false;
+        const bool remark =
+            std::any_of(sheet_.remarks.begin(), sheet_.remarks.end(), [](const std::string& text) {
+                return lower_case(text).find("radian") != std::string::npos &&
+                       lower_case(text).find("angle") != std::string::npos;
+            });
+        for (std::size_t c = 0; c < roles_.size(); ++c) {
+            ColumnRole& column = roles_[c];
+            if (column.role != Role::theta_in && column.role != Role::theta_out) continue;
+            said = said || column.radians ||
+                   lower_case(sheet_.names[c]).find("deg") != std::string::npos;
+            for (const SheetRow& row : sheet_.rows)
+                largest = std::max(largest, std::abs(row.cells[c].number.value_or(0.0)));
+        }
+        if (remark && !said) {
+            for (ColumnRole& column : roles_)
+                column.radians = column.radians ||
+                                 (column.role >= Role::theta_in && column.role <= Role::phi_out &&
+                                  column.role != Role::mu_in && column.role != Role::mu_out);
+            list_.facts.emplace_back("angles", "in radians, as a remark says");
+        } else if (!said && largest > 0.0 && largest <= std::numbers::pi / 2) {
+            list_.doubts.push_back(fmt::format(
+                "{}: angles up to {:.4g}, taken as degrees; radians are named so: 'theta_i (rad)'",
+                file_.path, largest));
         }
     }
 
@@ -147,10 +284,8 @@ class LongTable {
     void set_wavelength(ValueColumn& column) const {
         column.wavelength = find(Role::wavelength);
         if (!column.wavelength) return;
-        for (std::size_t c = *column.wavelength; c < column.index; ++c) {
-            if (roles_[c].role == Role::wavelength) column.wavelength = c;
-        }
-        if (std::count(sheet_.names.begin(), sheet_.names.end(), column.name) < 2) return;
+        if (nearest_[column.index] != kNone) column.wavelength = nearest_[column.index];
+        if (named_so_.at(column.name) < 2) return;
         for (const std::size_t c : {column.index, *column.wavelength}) {
             if (c >= sheet_.above.size() || sheet_.above[c].empty()) continue;
             column.name = sheet_.above[c];
@@ -257,6 +392,20 @@ class LongTable {
         return materials::to_nm(*cell.number, units_[column]);
     }
 
+    /// The sheet has a row's columns before its spectrum, one wavelength and its value.
+    void read_rows_of_spectra() {
+        const Sheet& all = *rows_of_spectra_;
+        const std::size_t count = sheet_.names.size(), before = count - 2;
+        for (std::size_t c = before; c < all.names.size(); ++c) {
+            const SheetCell at{all.names[c], wavelength_in_name(all.names[c])};
+            for (std::size_t r = 0; r < all.rows.size(); ++r) {
+                sheet_.rows[r].cells[before] = at;
+                sheet_.rows[r].cells[before + 1] = all.rows[r].cells[c];
+                read_row(sheet_.rows[r]);
+            }
+        }
+    }
+
     void read_row(const SheetRow& row) {
         MeasuredValue value;
         value.line = row.line;
@@ -271,23 +420,28 @@ class LongTable {
         value.azimuth_deg = plain(row, Role::azimuth_deg);
         for (const ValueColumn& column : columns_) {
             const SheetCell& cell = row.cells[column.index];
-            if (!cell.number) {
-                if (!cell.is_missing) {
-                    refuse(file_, row.line,
-                           fmt::format("'{}' in '{}' is not a number", cell.text, column.name));
-                }
-                if (missing_++ == 0) first_missing_ = row.line;
-                continue;
+            if (!cell.number && !cell.is_missing) {
+                refuse(file_, row.line,
+                       fmt::format("'{}' in '{}' is not a number", cell.text, column.name));
             }
             if (column.wavelength) value.wavelength_nm = wavelength_of(row, *column.wavelength);
             const MeasuredKind kind = kind_of_row(row, column);
             value.quantity = kind.quantity;
             value.geometry = kind.geometry;
-            const double factor = !is_share(kind.quantity) || cell.is_percent ? 1.0 : column.factor;
-            value.value = *cell.number * factor;
+            const double factor = !is_share(kind.quantity) || cell.is_percent ? 1.0 : column.factor,
+                         number = cell.number.value_or(MeasuredValue::kNone);
+            value.value = converted(number, column.conversion) * factor;
             value.sigma = MeasuredValue::kNone;
-            if (column.sigma && row.cells[*column.sigma].number)
-                value.sigma = *row.cells[*column.sigma].number * factor;
+            if (column.sigma) {
+                const SheetCell& sigma = row.cells[*column.sigma];
+                if (!sigma.number && !sigma.is_missing) {
+                    refuse(file_, row.line,
+                           fmt::format("'{}' in '{}' is not a number", sigma.text,
+                                       sheet_.names[*column.sigma]));
+                }
+                value.sigma = sigma.number.value_or(MeasuredValue::kNone) * factor *
+                              std::abs(conversion_slope(number, column.conversion));
+            }
             value.sample = sample_of(row, column);
             list_.values.push_back(value);
             raw.times_mu_out = column.times_mu_out;
@@ -301,14 +455,16 @@ class LongTable {
     const MeasuredFile& file_;
     Sheet sheet_;
     const MeasuredOptions& options_;
+    const Sheet* rows_of_spectra_;
     std::vector<ColumnRole> roles_;
+    std::array<std::size_t, std::size_t(Role::refused) + 1> first_;  ///< column of each role
+    std::vector<std::size_t> nearest_;     ///< column of wavelengths at or before each
+    std::map<std::string, int> named_so_;  ///< columns of each name
     std::vector<ValueColumn> columns_;
     std::vector<materials::Unit> units_;  ///< of each column
     Measurements list_;
     std::map<std::string, std::size_t> samples_;
     std::vector<RawDirection> raw_;
-    std::size_t missing_ = 0;
-    int first_missing_ = 0;
 };
 
 /// Two or three columns of numbers without names: wavelength, value and perhaps sigma.
@@ -325,10 +481,13 @@ Measurements read_nameless(const MeasuredFile& file, Sheet sheet, const Measured
 bool is_nameless(const Sheet& sheet) {
     if (!sheet.names.empty() || sheet.rows.size() < 3) return false;
     const std::size_t count = sheet.rows.front().cells.size();
-    const auto is_number = [](const SheetCell& cell) { return cell.number.has_value(); };
+    const auto is_number_or_missing = [](const SheetCell& cell) {
+        return cell.number || cell.is_missing;
+    };
     return (count == 2 || count == 3) &&
            std::all_of(sheet.rows.begin(), sheet.rows.end(), [&](const SheetRow& row) {
-               return std::all_of(row.cells.begin(), row.cells.end(), is_number);
+               return row.cells.front().number &&
+                      std::all_of(row.cells.begin() + 1, row.cells.end(), is_number_or_missing);
            });
 }
 
@@ -351,7 +510,7 @@ Measurements read_table(const MeasuredFile& file, const MeasuredOptions& options
     if (sheet.rows.empty()) refuse(file, 0, "has no rows; the first line names the columns");
     if (sheet.names_are_wavelengths) {
         if (!has_directions(sheet)) return read_spectra_in_rows(file, sheet, options);
-        sheet = one_value_a_line(sheet);
+        return LongTable(file, first_value_of_rows(sheet), options, &sheet).read();
     }
     if (is_nameless(sheet)) return read_nameless(file, std::move(sheet), options);
     if (sheet.names.empty()) {

@@ -8,6 +8,8 @@
 
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
+#include "pipeline/measured/columns.h"
 #include "pipeline/measured/reader.h"
 
 namespace miebrdf::measured {
@@ -34,14 +36,20 @@ pugi::xml_node below(const pugi::xml_node& node, std::string_view name) {
 
 struct CxfSpecification {
     NamedGeometry geometry;
-    std::string words;
+    std::string words, type;  ///< type: "Spectrum_Reflectance"
     double start_nm = MeasuredValue::kNone, increment_nm = MeasuredValue::kNone;
     double mu_out = MeasuredValue::kNone;
 };
 
 class CxfReader {
   public:
-    explicit CxfReader(const MeasuredFile& file) : file_(file) {
+    CxfReader(const MeasuredFile& file, const MeasuredOptions& options)
+        : file_(file), options_(options) {
+        materials::ReadingBudget::require_values(
+            std::size_t(std::count(file.content.begin(), file.content.end(), '<')), file.path);
+        for (std::size_t i = 0; i < file.content.size(); ++i) {
+            if (file.content[i] == '\n') line_ends_.push_back(i);
+        }
         const auto parsed = document_.load_buffer(file.content.data(), file.content.size());
         if (!parsed) {
             refuse(file, line_at(parsed.offset),
@@ -68,11 +76,11 @@ class CxfReader {
   private:
     int line_at(std::ptrdiff_t offset) const {
         const auto end = std::min(static_cast<std::size_t>(offset), file_.content.size());
-        return 1 + static_cast<int>(std::count(file_.content.begin(),
-                                               file_.content.begin() + std::ptrdiff_t(end), '\n'));
+        const auto before = std::lower_bound(line_ends_.begin(), line_ends_.end(), end);
+        return 1 + static_cast<int>(before - line_ends_.begin());
     }
     double number(const pugi::xml_node& node, std::string_view text) const {
-        const auto value = materials::parse_number(materials::without_blanks(text));
+        const auto value = measured_number(materials::without_blanks(text));
         if (!value) {
             refuse(file_, line_at(node.offset_debug()),
                    fmt::format("'{}' is not a number", text.substr(0, 40)));
@@ -105,6 +113,7 @@ class CxfReader {
             s.start_nm = number(range, range.attribute("StartWL").value());
             s.increment_nm = number(range, range.attribute("Increment").value());
         }
+        s.type = below(node, "MeasurementType").child_value();
         const std::string id = node.attribute("Id").value();
         const pugi::xml_node light = below(node, "TristimulusSpec");
         if (light) {
@@ -125,13 +134,10 @@ class CxfReader {
             const std::string_view kind = bare(color);
             const std::string sample =
                 name + (same == 0 ? "" : fmt::format(" {}", id.empty() ? "again" : id));
-            if (kind == "ReflectanceSpectrum" || kind == "TransmittanceSpectrum") {
-                add(color, sample, s, kind == "TransmittanceSpectrum");
+            if (!kind.ends_with("Spectrum")) continue;
+            if (const auto meaning = meaning_of(color, kind, s)) {
+                add(color, sample, s, *meaning);
                 ++same;
-            } else if (kind == "CustomSpectrum") {
-                list_.doubts.push_back(fmt::format("{}:{}: CustomSpectrum of '{}' is not read",
-                                                   file_.path, line_at(color.offset_debug()),
-                                                   name));
             }
         }
         for (const pugi::xml_node color : colors.children()) {
@@ -141,8 +147,30 @@ class CxfReader {
         }
     }
 
+    /// Custom spectra say what they are in attributes or in their specification. Nothing: not read,
+    /// which is said.
+    std::optional<ValueMeaning> meaning_of(const pugi::xml_node& node, std::string_view kind,
+                                           const CxfSpecification& s) {
+        std::string words(kind.substr(0, kind.size() - std::string_view("Spectrum").size()));
+        if (words == "Custom") {
+            words = s.type;
+            for (const pugi::xml_attribute& attribute : node.attributes()) {
+                if (const auto meaning = value_meaning(attribute.value())) return meaning;
+            }
+        }
+        std::replace(words.begin(), words.end(), '_', ' ');
+        const auto meaning = value_meaning(words);
+        if (meaning && (meaning->refused.empty() || !options_.quantity.empty())) return meaning;
+        list_.doubts.push_back(
+            fmt::format("{}:{}: {} '{}' is not read: {}", file_.path, line_at(node.offset_debug()),
+                        std::string(kind), words,
+                        meaning ? meaning->refused : "neither reflectance nor transmittance"));
+        return std::nullopt;
+    }
+
     void add(const pugi::xml_node& node, const std::string& sample, const CxfSpecification& s,
-             bool transmitted) {
+             const ValueMeaning& meaning) {
+        const bool transmitted = meaning.kind.quantity == MeasuredQuantity::transmittance;
         const pugi::xml_attribute start = node.attribute("StartWL");
         const pugi::xml_attribute step = node.attribute("Increment");
         const double first = start ? number(node, start.value()) : s.start_nm;
@@ -168,6 +196,7 @@ class CxfReader {
                                values.size(), first, increment));
         }
         for (std::size_t i = 0; i < values.size(); ++i) nm.push_back(first + increment * double(i));
+        for (double& value : values) value = converted(value, meaning.conversion);
         MeasuredKind kind{MeasuredQuantity::reflectance, s.geometry.geometry};
         if (kind.geometry == MeasuredGeometry::d45_0 ||
             kind.geometry == MeasuredGeometry::directions)
@@ -190,6 +219,8 @@ class CxfReader {
     }
 
     const MeasuredFile& file_;
+    const MeasuredOptions& options_;
+    std::vector<std::size_t> line_ends_;
     pugi::xml_document document_;
     std::map<std::string, CxfSpecification> specifications_;
     bool assumed_ = false;
@@ -203,8 +234,8 @@ bool looks_like_cxf(const MeasuredFile& file) {
            start.find(":CxF") != std::string_view::npos;
 }
 
-Measurements read_cxf(const MeasuredFile& file, const MeasuredOptions&) {
-    return CxfReader(file).read();
+Measurements read_cxf(const MeasuredFile& file, const MeasuredOptions& options) {
+    return CxfReader(file, options).read();
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ Measurements read_ecostress(const MeasuredFile& file, const MeasuredOptions& opt
     };
     std::optional<materials::Unit> unit;
     double factor = 1.0;
+    Conversion conversion = Conversion::none;
     MeasuredKind kind;
     NamedGeometry geometry;
     const auto end_header = [&] {
@@ -47,13 +48,19 @@ Measurements read_ecostress(const MeasuredFile& file, const MeasuredOptions& opt
                 unit = materials::parse_unit(x_units.substr(open + 1, close - open - 1));
         }
         if (!unit) refuse(file, 0, fmt::format("X units '{}' are not understood", x_units));
-        if (y_units.find("transm") != std::string::npos) {
-            kind.quantity = MeasuredQuantity::transmittance;
-        } else if (y_units.find("ref") == std::string::npos) {
+        const auto meaning = value_meaning(y_units);
+        if (!meaning || (!meaning->refused.empty() && options.quantity.empty())) {
             refuse(file, 0,
-                   fmt::format("Y units '{}': neither reflectance nor transmittance", y_units));
+                   meaning ? refusal_of("Y units: " + y_units, meaning->refused)
+                           : fmt::format("Y units '{}': neither reflectance nor transmittance",
+                                         y_units));
         }
-        factor = share_factor(list, options, says_percent(y_units), "Y units");
+        kind = meaning->kind;
+        conversion = meaning->conversion;
+        if (conversion == Conversion::none)
+            factor = share_factor(list, options, says_percent(y_units), "Y units");
+        else
+            list.facts.emplace_back("data", words_of(conversion, kind.quantity));
         for (const char* name : {"measurement", "type"}) {
             if (header.count(name) != 0) list.facts.emplace_back(name, header[name]);
         }
@@ -82,13 +89,13 @@ Measurements read_ecostress(const MeasuredFile& file, const MeasuredOptions& opt
         if (content.empty()) continue;
         const auto words = materials::split_words(content, " \t,");
         const auto x = materials::parse_number(words[0]);
-        const auto y = words.size() == 2 ? materials::parse_number(words[1]) : std::nullopt;
+        const auto y = words.size() == 2 ? measured_number(words[1]) : std::nullopt;
         if (!x || !y || !(*x > 0.0)) {
             refuse(file, line,
                    fmt::format("'{}': expected a wavelength above 0 and a value", content));
         }
         nm.push_back(materials::to_nm(*x, *unit));
-        values.push_back(*y * factor);
+        values.push_back(converted(*y, conversion) * factor);
         lines.push_back(line);
     }
     if (in_header) refuse(file, 0, "no blank line after its header, and no values");

@@ -8,6 +8,7 @@
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
 #include "materials/readers/text_table.h"
+#include "pipeline/measured/columns.h"
 #include "pipeline/measured/sheet.h"
 
 namespace miebrdf::measured {
@@ -25,8 +26,8 @@ std::string jcamp_label(std::string_view text) {
 
 struct JcampBlock {
     std::map<std::string, std::string> records;
-    std::vector<std::pair<int, std::string>> data;  ///< lines below XYDATA or XYPOINTS
-    std::string data_form;                          ///< "(X++(Y..Y))"
+    std::vector<std::pair<int, std::string_view>> data;  ///< lines below XYDATA or XYPOINTS
+    std::string data_form;                               ///< "(X++(Y..Y))"
     int line = 0;
 
     std::string text(const char* label) const {
@@ -44,9 +45,19 @@ class JcampLine {
 
     /// @param values  those of the lines before; the first of this line only checks the last of
     ///                them where that was a difference
+    /// @param most  values that there may be: a few letters repeat one a billion times
     /// @return the abscissa
-    double read(std::vector<double>& values, bool& last_was_difference) {
+    double read(std::vector<double>& values, bool& last_was_difference, std::size_t most) {
         const double x = plain_number();
+        // Programs round abscissas to the last digit that they write.
+        const std::string_view written = text_.substr(0, at_);
+        const std::size_t exponent = std::min(written.find_first_of("Ee"), written.size()),
+                          point = std::min(written.find('.'), exponent);
+        const double power =
+            exponent + 1 < written.size()
+                ? materials::parse_number(written.substr(exponent + 1)).value_or(0.0)
+                : 0.0;
+        last_digit_ = std::pow(10.0, power - (point < exponent ? double(exponent - point - 1) : 0));
         bool first = true;
         double difference = 0.0;
         bool is_difference = false;
@@ -60,6 +71,7 @@ class JcampLine {
             } else if (const int dup = place_in("STUVWXYZs", c); dup >= 0) {
                 const double count = packed(dup + 1);
                 if (values.empty()) fail();
+                if (!(double(values.size()) + count <= double(most) + 1.0)) too_many(most);
                 // The value is there once already.
                 for (int i = 1; i < static_cast<int>(count); ++i)
                     values.push_back(is_difference ? values.back() + difference : values.back());
@@ -94,15 +106,20 @@ class JcampLine {
                 values.push_back(value);
             }
             first = false;
+            if (values.size() > most) too_many(most);
         }
         last_was_difference = is_difference;
         return x;
     }
+    double last_digit() const { return last_digit_; }
 
   private:
     static int place_in(std::string_view letters, char c) {
         const std::size_t place = letters.find(c);
         return place == std::string_view::npos ? -1 : static_cast<int>(place);
+    }
+    [[noreturn]] void too_many(std::size_t most) const {
+        refuse(file_, line_, fmt::format("more values than ##NPOINTS= says, {}", most));
     }
     [[noreturn]] void fail() const {
         refuse(file_, line_, fmt::format("'{}' is no packed number", text_.substr(at_, 20)));
@@ -146,6 +163,7 @@ class JcampLine {
     int line_;
     std::string_view text_;
     std::size_t at_ = 0;
+    double last_digit_ = 1.0;
 };
 
 std::vector<JcampBlock> jcamp_blocks(const MeasuredFile& file) {
@@ -169,7 +187,7 @@ std::vector<JcampBlock> jcamp_blocks(const MeasuredFile& file) {
             if (in_data) blocks.back().data_form = jcamp_label(value);
             blocks.back().records.try_emplace(label, value);
         } else if (in_data) {
-            blocks.back().data.emplace_back(line, std::string(text));
+            blocks.back().data.emplace_back(line, text);
         }
     }
     return blocks;
@@ -188,35 +206,100 @@ double jcamp_number(const MeasuredFile& file, const JcampBlock& block, const cha
     return *value;
 }
 
-void read_packed(const MeasuredFile& file, const JcampBlock& block, std::vector<double>& x,
-                 std::vector<double>& y) {
-    const double x_factor = jcamp_number(file, block, "XFACTOR", 1.0);
-    const double first = jcamp_number(file, block, "FIRSTX");
-    const double last = jcamp_number(file, block, "LASTX");
-    const double points = jcamp_number(file, block, "NPOINTS");
-    if (!(points >= 1.0 && points < 1e8)) {
-        refuse(file, block.line, fmt::format("##NPOINTS= {}; allowed: 1 to 1e8", points));
+/// The abscissa that a line begins with.
+struct JcampLineStart {
+    int line = 0;
+    std::size_t index = 0;  ///< of the value there
+    double x = 0.0, unit = 0.0;
+};
+
+/// Abscissas first + step * i.
+struct JcampAxis {
+    double first = 0.0, step = 0.0;
+
+    double at(std::size_t index) const { return first + step * double(index); }
+    /// @param steps, unit  how far the abscissas of lines may lie off
+    const JcampLineStart* first_off(const std::vector<JcampLineStart>& lines, double steps,
+                                    double units) const {
+        const auto found = std::find_if(lines.begin(), lines.end(), [&](const auto& line) {
+            return !(std::abs(line.x - at(line.index)) <=
+                     steps * std::abs(step) + units * line.unit);
+        });
+        return found == lines.end() ? nullptr : &*found;
     }
-    const double step = points > 1.0 ? (last - first) / (points - 1.0) : 0.0;
+};
+
+/// The axis that agrees with the lines: by FIRSTX and LASTX, by FIRSTX and DELTAX, or their own.
+JcampAxis axis_of(const MeasuredFile& file, const JcampBlock& block, double points,
+                  const std::vector<JcampLineStart>& lines, Measurements& list) {
+    const double first = jcamp_number(file, block, "FIRSTX"),
+                 last = jcamp_number(file, block, "LASTX"),
+                 delta = jcamp_number(file, block, "DELTAX", 0.0);
+    const JcampAxis by_last{first, points > 1.0 ? (last - first) / (points - 1.0) : 0.0};
+    std::vector<JcampAxis> others;
+    // Some programs write DELTAX without its sign, others round it: over the whole range it must
+    // differ from LASTX by more than a step.
+    const double signed_delta = std::copysign(delta, by_last.step);
+    const bool has_delta = delta != 0.0 && points > 1.0;
+    if (has_delta) others.push_back({first, signed_delta});
+    // Two lines alone would agree with any step.
+    if (lines.size() > 2 && lines.back().index > lines.front().index) {
+        const JcampLineStart &a = lines.front(), &b = lines.back();
+        const double step = (b.x - a.x) / double(b.index - a.index);
+        others.push_back({a.x - step * double(a.index), step});
+    }
+    const bool few_lines = lines.empty() || lines.back().index == lines.front().index;
+    const bool delta_is_off =
+        has_delta && std::abs(signed_delta - by_last.step) * (points - 1.0) > std::abs(delta);
+    if (by_last.first_off(lines, 0.01, 1.0) == nullptr && !(few_lines && delta_is_off))
+        return by_last;
+    for (const JcampAxis& axis : others) {
+        if (axis.step == 0.0 || axis.first_off(lines, 0.01, 1.0) != nullptr) continue;
+        if (std::abs(axis.at(std::size_t(points) - 1) - last) > 0.5 * std::abs(axis.step)) {
+            list.doubts.push_back(
+                fmt::format("{}:{}: ##LASTX= is {:g}; {} say {:g}, which is taken", file.path,
+                            block.line, last, few_lines ? "##DELTAX= and ##NPOINTS=" : "the lines",
+                            axis.at(std::size_t(points) - 1)));
+        }
+        return axis;
+    }
+    // Abscissas are rounded more coarsely than they are written; a lost line is ten points.
+    const double x_factor = jcamp_number(file, block, "XFACTOR", 1.0);
+    const JcampLineStart* off = by_last.first_off(lines, 3.0, 0.5);
+    if (off != nullptr &&
+        !(std::abs(off->x - by_last.at(off->index)) <= 0.5 * std::abs(x_factor))) {
+        refuse(file, off->line,
+               fmt::format("begins at {:g}, expected {:g}: lines are missing", off->x,
+                           by_last.at(off->index)));
+    }
+    return by_last;
+}
+
+void read_packed(const MeasuredFile& file, const JcampBlock& block, std::vector<double>& x,
+                 std::vector<double>& y, Measurements& list) {
+    const double x_factor = jcamp_number(file, block, "XFACTOR", 1.0);
+    const double points = jcamp_number(file, block, "NPOINTS");
+    constexpr auto kMost = materials::ReadingBudget::kValues;
+    if (!(points >= 1.0 && points <= double(kMost))) {
+        refuse(file, block.line, fmt::format("##NPOINTS= {}; allowed: 1 to {}", points, kMost));
+    }
     bool last_was_difference = false;
+    std::vector<JcampLineStart> lines;
     for (const auto& [line, text] : block.data) {
         // A last line may hold a check alone, which some programs write as 0.
         if (last_was_difference && double(y.size()) == points) break;
-        const double expected =
-            first + step * (double(y.size()) - (last_was_difference ? 1.0 : 0.0));
-        const double stated = JcampLine(file, line, text).read(y, last_was_difference) * x_factor;
-        // Abscissas are rounded, to a unit of XFACTOR or to some digits; a lost line is ten points.
-        if (!(std::abs(stated - expected) <= 3.0 * std::abs(step) + 0.5 * std::abs(x_factor))) {
-            refuse(
-                file, line,
-                fmt::format("begins at {:g}, expected {:g}: lines are missing", stated, expected));
-        }
+        const std::size_t index = y.size() - (last_was_difference && !y.empty() ? 1 : 0);
+        JcampLine ordinates(file, line, text);
+        const double stated =
+            ordinates.read(y, last_was_difference, std::size_t(points)) * x_factor;
+        lines.push_back({line, index, stated, std::abs(x_factor) * ordinates.last_digit()});
     }
+    const JcampAxis axis = axis_of(file, block, points, lines, list);
     if (double(y.size()) != points) {
         refuse(file, block.data.empty() ? block.line : block.data.back().first,
                fmt::format("{} values; ##NPOINTS= says {}: the file is cut off", y.size(), points));
     }
-    for (std::size_t i = 0; i < y.size(); ++i) x.push_back(first + step * double(i));
+    for (std::size_t i = 0; i < y.size(); ++i) x.push_back(axis.at(i));
 }
 
 void read_pairs(const MeasuredFile& file, const JcampBlock& block, std::vector<double>& x,
@@ -227,8 +310,9 @@ void read_pairs(const MeasuredFile& file, const JcampBlock& block, std::vector<d
         if (words.size() % 2 != 0)
             refuse(file, line, fmt::format("{} numbers are no pairs", words.size()));
         for (std::size_t i = 0; i < words.size(); ++i) {
-            const auto value = materials::parse_number(words[i]);
+            const auto value = measured_number(words[i]);
             if (!value) refuse(file, line, fmt::format("'{}' is not a number", words[i]));
+            materials::ReadingBudget::require_values(y.size() + 1, file.path, line);
             (i % 2 == 0 ? x : y).push_back(i % 2 == 0 ? *value * factor : *value);
         }
     }
@@ -244,36 +328,37 @@ void add_block(const MeasuredFile& file, const JcampBlock& block, const Measured
                fmt::format("##XUNITS= '{}'; allowed: 1/CM, NANOMETERS, MICROMETERS",
                            block.text("XUNITS")));
     }
-    const std::string y_units = materials::lower_case(block.text("YUNITS"));
-    const bool absorbance = y_units == "absorbance" || y_units == "a";
-    MeasuredKind kind;
-    if (absorbance || y_units.find("transm") != std::string::npos) {
-        kind.quantity = MeasuredQuantity::transmittance;
-    } else if (y_units.find("reflect") == std::string::npos) {
+    const std::string y_units = block.text("YUNITS");
+    const auto meaning = value_meaning(y_units);
+    if (!meaning || (!meaning->refused.empty() && options.quantity.empty())) {
         refuse(file, block.line,
-               fmt::format("##YUNITS= '{}'; allowed: REFLECTANCE, TRANSMITTANCE, ABSORBANCE",
-                           block.text("YUNITS")));
+               meaning ? refusal_of("##YUNITS= " + y_units, meaning->refused)
+                       : fmt::format("##YUNITS= '{}'; allowed: REFLECTANCE, TRANSMITTANCE, "
+                                     "ABSORBANCE, KUBELKA-MUNK, LOG(1/R)",
+                                     y_units));
     }
     std::vector<double> x, y;
     if (block.data_form.starts_with("(X++(Y..Y)"))
-        read_packed(file, block, x, y);
+        read_packed(file, block, x, y, list);
     else if (block.data_form.starts_with("(XY"))
         read_pairs(file, block, x, y);
     else
         refuse(file, block.line, fmt::format("data of the form '{}'", block.data_form));
-    const double factor =
-        jcamp_number(file, block, "YFACTOR", 1.0) *
-        (absorbance ? 1.0 : share_factor(list, options, says_percent(y_units), "##YUNITS="));
-    if (absorbance) list.facts.emplace_back("data", "absorbance A, read as transmittance 10^-A");
+    const bool is_converted = meaning->conversion != Conversion::none;
+    const double scale = jcamp_number(file, block, "YFACTOR", 1.0),
+                 share = is_converted
+                             ? 1.0
+                             : share_factor(list, options, says_percent(y_units), "##YUNITS=");
+    if (is_converted)
+        list.facts.emplace_back("data", words_of(meaning->conversion, meaning->kind.quantity));
     std::vector<double> nm, values;
     for (std::size_t i = 0; i < x.size(); ++i) {
-        if (std::isnan(y[i])) continue;  // "?"
         if (!(x[i] > 0.0)) refuse(file, block.line, fmt::format("abscissa {}", x[i]));
         nm.push_back(materials::to_nm(x[i], *unit));
-        const double value = y[i] * factor;
-        values.push_back(absorbance ? std::pow(10.0, -value) : value);
+        const double number = is_fill(y[i]) ? MeasuredValue::kNone : y[i] * scale;
+        values.push_back(converted(number, meaning->conversion) * share);
     }
-    add_spectrum(list, block.text("TITLE"), kind, MeasuredValue::kNone, nm, values,
+    add_spectrum(list, block.text("TITLE"), meaning->kind, MeasuredValue::kNone, nm, values,
                  std::vector<int>(nm.size(), block.line));
 }
 

@@ -6,7 +6,9 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,12 +18,15 @@ namespace miebrdf::measured {
 
 inline double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
 
+/// Wavelengths without a unit: lists that end below are micrometres, above nanometres.
+constexpr double kLeastNm = 100.0;
+
 struct MeasuredFile {
     std::string path;
     std::string_view content;  ///< text without its byte-order mark
 };
 
-/// A format: one file here, and one line in the list of read_measured.cpp.
+/// A format: one file here, and one line in the list of readers.cpp.
 struct Reader {
     MeasuredFormat format;
     bool (*looks_like)(const MeasuredFile& file);
@@ -30,13 +35,28 @@ struct Reader {
     Measurements (*read)(const MeasuredFile& file, const MeasuredOptions& options);
 };
 
-/// In the order in which they are asked: the most particular first.
+/// The kind of a word of measured_kind(); nothing for others.
+std::optional<MeasuredKind> find_kind(std::string_view word);
+
+/// In the order in which they are asked: the most particular first, tables last.
 std::span<const Reader* const> readers();
+/// The measurements of a file by the reader that knows it, complete.
+/// @throws ImportError, UsageError  as read_measured()
+Measurements read_with(std::span<const Reader* const> readers, const std::filesystem::path& path,
+                       const MeasuredOptions& options);
 
 /// @throws ImportError  always; line 0: the whole file
 [[noreturn]] inline void refuse(const MeasuredFile& file, int line, const std::string& reason) {
     throw materials::ImportError(file.path, line, reason);
 }
+
+/// Whether a field says that there is no value: empty, "nan", "?", "#N/A", -9999, -1.23e34.
+bool says_missing(std::string_view field);
+/// Numbers that stand for no value: -999, -9999.0, -1.23e34, and what is not finite.
+bool is_fill(double number);
+/// A finite number with a decimal point or comma; NaN where the field says that there is none;
+/// nothing for other texts. complete() leaves values out that are NaN, and says how many.
+std::optional<double> measured_number(std::string_view field);
 
 /// The factor of the values, and the fact about it. Percent may be said by the file or asked for.
 double share_factor(Measurements& list, const MeasuredOptions& options, bool file_says_percent,
@@ -59,6 +79,9 @@ void add_spectrum(Measurements& list, const std::string& sample, MeasuredKind ki
 /// Adds L*, a*, b* to the last sample.
 void add_lab(Measurements& list, MeasuredGeometry geometry, const std::array<double, 3>& lab,
              int line);
+
+/// @throws UsageError  for standard errors, wavelengths and cosines out of range
+void check(const MeasuredOptions& options);
 
 /// Fills in what the options say, checks everything and sorts it.
 void complete(Measurements& list, const MeasuredOptions& options);

@@ -8,6 +8,7 @@
 
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
 #include "pipeline/measured/reader.h"
 
 namespace miebrdf::measured {
@@ -28,6 +29,7 @@ std::vector<Word> words_of(const MeasuredFile& file) {
         if (number == 1) line.remove_prefix(std::min<std::size_t>(4, line.size()));
         for (const std::string_view word : materials::split_words(line, " \t"))
             words.push_back({std::string(word), number});
+        materials::ReadingBudget::require_values(words.size(), file.path, number);
     }
     return words;
 }
@@ -53,7 +55,7 @@ class RxtReader {
             refuse(file_, words_.empty() ? 1 : words_.back().line, "the file ends too early");
         }
         const Word& word = words_[at_++];
-        const auto value = materials::parse_number(word.text);
+        const auto value = measured_number(word.text);
         if (!value) refuse(file_, word.line, fmt::format("'{}' is not a number", word.text));
         return *value;
     }
@@ -67,8 +69,18 @@ class RxtReader {
                                                  "reflectance_of_standard",
                                                  "spheres"};
         constexpr int kSphereNumbers = 10;  // two spheres: diameters of it and its ports, wall
-        for (const char* name : kNames)
-            list_.facts.emplace_back(name, fmt::format("{:g}", number()));
+        double last = 0.0;
+        for (const char* name : kNames) {
+            last = number();
+            list_.facts.emplace_back(name, fmt::format("{:g}", last));
+        }
+        if (last > 0.0) {
+            list_.doubts.push_back(fmt::format(
+                "{}: measured with {:g} integrating sphere{}: r and t are taken as they stand. iad "
+                "corrects them for the sphere and for light that is lost; without that the "
+                "scattering that a fit finds may be 2 times too small",
+                file_.path, last, last > 1.0 ? "s" : ""));
+        }
         for (int i = 0; i < kSphereNumbers; ++i) number();
     }
 
@@ -114,7 +126,8 @@ class RxtReader {
         // A wavelength that was there before begins another sample.
         const int repeats = std::isnan(value.wavelength_nm) ? 0 : seen_[value.wavelength_nm]++;
         const auto add = [&](double x, MeasuredQuantity quantity) {
-            if (std::isnan(x)) return;
+            const char letter = quantity == MeasuredQuantity::reflectance ? 'r' : 't';
+            if (columns_.find(letter) == std::string::npos) return;
             value.value = x;
             value.quantity = quantity;
             value.sample = sample_of(word_of(quantity), repeats);
@@ -126,17 +139,15 @@ class RxtReader {
 
     std::size_t sample_of(std::string name, int repeats) {
         if (repeats > 0) name += fmt::format(" {}", repeats + 1);
-        const auto found = std::find(list_.samples.begin(), list_.samples.end(), name);
-        if (found == list_.samples.end()) {
-            list_.samples.push_back(name);
-            return list_.samples.size() - 1;
-        }
-        return static_cast<std::size_t>(found - list_.samples.begin());
+        const auto [at, added] = samples_.try_emplace(name, list_.samples.size());
+        if (added) list_.samples.push_back(name);
+        return at->second;
     }
 
     const MeasuredFile& file_;
     std::vector<Word> words_;
     std::map<double, int> seen_;
+    std::map<std::string, std::size_t> samples_;
     std::size_t at_ = 0;
     std::string columns_;
     bool counted_ = false;  ///< columns by their number alone

@@ -21,12 +21,6 @@ using materials::without_blanks;
 /// As many columns named by wavelengths make a table of spectra in rows.
 constexpr std::size_t kFewestWavelengths = 3;
 
-bool is_missing(std::string_view text) {
-    const std::string word = lower_case(text);
-    return word.empty() || word == "nan" || word == "n/a" || word == "na" || word == "null" ||
-           word == "-" || word == "inf" || word == "-inf";
-}
-
 /// How many fields at the end of a line of names are ascending wavelengths.
 std::size_t wavelengths_at_end(const std::vector<std::string>& names) {
     std::size_t count = 0;
@@ -40,10 +34,28 @@ std::size_t wavelengths_at_end(const std::vector<std::string>& names) {
     return count;
 }
 
+/// "Wavelength Range: 350": a word about the measurement, with its value.
+bool says_something_of(const std::string& field) {
+    const std::size_t mark = field.find_first_of(":=");
+    return mark != std::string::npos &&
+           !materials::without_blanks(std::string_view(field).substr(mark + 1)).empty() &&
+           field.find("45:0") == std::string::npos;
+}
+
+bool is_number(const std::string& field) { return materials::table_number(field).has_value(); }
+
+/// A line of names has wavelengths or a direction. Samples may be numbers beside wavelengths alone:
+/// "SZA,45" says one angle of all.
 bool names_columns(const std::vector<std::string>& fields) {
     if (wavelengths_at_end(fields) >= kFewestWavelengths) return true;
-    const auto is_axis = [](const std::string& name) { return column_role(name).is_axis(); };
-    return std::any_of(fields.begin(), fields.end(), is_axis);
+    bool axis = false, wavelengths = false;
+    for (const std::string& name : fields) {
+        const ColumnRole column = column_role(name);
+        axis = axis || column.is_axis();
+        wavelengths = wavelengths || column.role == Role::wavelength;
+    }
+    return axis && std::none_of(fields.begin(), fields.end(), says_something_of) &&
+           (wavelengths || std::none_of(fields.begin(), fields.end(), is_number));
 }
 
 /// Goes to the line of names, of which the next line has as many fields; false where none does.
@@ -62,7 +74,9 @@ bool find_names(TextTable& table, Sheet& sheet, bool& has_blank_name) {
             has_blank_name =
                 wavelengths_at_end(fields) == fields.size() && below == fields.size() + 1;
             const bool numbers = any && materials::table_number(ahead.fields().front());
-            if (below == count || has_blank_name || numbers) {
+            const bool is_one_of_all = wavelengths_at_end(fields) < kFewestWavelengths &&
+                                       std::any_of(fields.begin(), fields.end(), is_number);
+            if ((below == count && !is_one_of_all) || has_blank_name || numbers) {
                 table.take_names();
                 return true;
             }
@@ -73,17 +87,48 @@ bool find_names(TextTable& table, Sheet& sheet, bool& has_blank_name) {
     return false;
 }
 
-/// Whether no line begins with a number any more: what programs write below their data.
-bool only_words_follow(TextTable table) {
+/// The units of all columns, in a line below their names: "[nm];[counts]", "nm,%".
+bool is_line_of_units(const std::vector<std::string>& fields) {
+    const auto is_unit = [](const std::string& field) {
+        return field.empty() || field == "%" || field.front() == '[' || field.front() == '(' ||
+               materials::parse_unit(field).has_value();
+    };
+    return !fields.front().empty() && std::all_of(fields.begin(), fields.end(), is_unit);
+}
+
+/// The column that says where the values of a row belong.
+std::size_t axis_column(const Sheet& sheet) {
+    if (sheet.names_are_wavelengths) return sheet.names.size() - wavelengths_at_end(sheet.names);
+    const auto is_axis = [](const std::string& name) { return column_role(name).is_axis(); };
+    const auto found = std::find_if(sheet.names.begin(), sheet.names.end(), is_axis);
+    return found == sheet.names.end() ? 0 : std::size_t(found - sheet.names.begin());
+}
+
+/// The last line with a number in that column: below it there are only words, as programs write
+/// them about the measurement.
+int last_line_of_numbers(TextTable table, std::size_t axis) {
+    int last = 0;
     while (table.next()) {
-        if (materials::table_number(table.fields().front())) return false;
+        if (table.fields().size() > axis && is_number(table.fields()[axis])) last = table.line();
     }
-    return true;
+    return last;
+}
+
+/// The fields of a line without names whose empty fields are lost where blanks separate: split at
+/// tabs or commas, or with an empty one at its end.
+std::vector<std::string> with_empty_fields(const TextTable& table, std::size_t expected) {
+    std::vector<std::string> fields = table.fields();
+    for (const char separator : {'\t', ','}) {
+        auto split = materials::split_fields(table.content(), separator);
+        if (split.size() == expected) return split;
+    }
+    if (fields.size() + 1 == expected && table.ends_with_blank()) fields.emplace_back();
+    return fields;
 }
 
 SheetCell cell_of(TextTable& table, const std::string& text) {
     SheetCell cell{text};
-    cell.is_missing = is_missing(text);
+    cell.is_missing = says_missing(text);
     if (cell.is_missing || !materials::table_number(text)) return cell;
     cell.number = table.number(text);  // refuses decimal points mixed with commas
     cell.is_percent = text.ends_with('%');
@@ -96,6 +141,33 @@ bool says_percent(std::string_view name) {
     const std::string text = lower_case(name);
     return text.find('%') != std::string::npos || text.find("percent") != std::string::npos ||
            text.find("pct") != std::string::npos;
+}
+
+ValueMeaning Sheet::meaning() const {
+    static constexpr std::string_view kKeys[] = {"y axis",
+                                                 "y units",
+                                                 "yunits",
+                                                 "y-axis",
+                                                 "ordinate",
+                                                 "data type",
+                                                 "measurement type",
+                                                 "measurement mode",
+                                                 "photometric mode",
+                                                 "mode",
+                                                 "units",
+                                                 "unit",
+                                                 "quantity",
+                                                 "data"};
+    for (const std::string& remark : remarks) {
+        const std::size_t mark = remark.find_first_of(":=");
+        const std::string key = lower_case(remark.substr(0, mark));
+        if (mark == std::string::npos ||
+            std::find(std::begin(kKeys), std::end(kKeys), key) == std::end(kKeys))
+            continue;
+        if (const auto meaning = value_meaning(without_blanks(remark).substr(mark + 1)))
+            return *meaning;
+    }
+    return {};
 }
 
 bool Sheet::says_percent() const {
@@ -127,12 +199,13 @@ std::optional<double> wavelength_in_name(std::string_view name) {
 
 std::string bare_name(std::string_view name) {
     std::string text = lower_case(name);
+    if (text.starts_with('%')) text = lower_case(text.substr(1));  // "%T"
     text.erase(std::min(text.find_first_of("([{%"), text.size()));
     text = lower_case(text);
     std::replace_if(
         text.begin(), text.end(), [](char c) { return c == ' ' || c == '-' || c == '.'; }, '_');
     for (const std::string_view unit :
-         {"_deg", "_degree", "_degrees", "_rad", "_percent", "_pct"}) {
+         {"_deg", "_degree", "_degrees", "_rad", "_radian", "_radians", "_percent", "_pct"}) {
         if (text.ends_with(unit)) text.erase(text.size() - unit.size());
     }
     while (text.ends_with('_')) text.pop_back();
@@ -162,24 +235,39 @@ Sheet read_sheet(const MeasuredFile& file) {
         table = TextTable(file.content, file.path);
         sheet.remarks.clear();
     }
+    const std::size_t axis = axis_column(sheet);
+    const int last_numbers = last_line_of_numbers(table, axis);
+    std::size_t cells = 0;
     while (table.next()) {
         std::vector<std::string> fields = table.fields();
-        const std::size_t expected = sheet.names.empty() && !sheet.rows.empty()
-                                         ? sheet.rows.front().cells.size()
-                                     : sheet.names.empty() ? fields.size()
-                                                           : sheet.names.size();
+        const std::size_t expected = !sheet.names.empty()  ? sheet.names.size()
+                                     : !sheet.rows.empty() ? sheet.rows.front().cells.size()
+                                                           : fields.size();
         while (fields.size() > expected && fields.back().empty()) fields.pop_back();
-        if (fields.size() != expected) {
-            if (!sheet.rows.empty() && !materials::table_number(fields.front()) &&
-                only_words_follow(table)) {
-                sheet.remarks.push_back(fmt::format("{}", fmt::join(fields, " ")));
-                continue;
+        if (sheet.rows.empty() && fields.size() <= sheet.names.size() && is_line_of_units(fields)) {
+            for (std::size_t c = 0; c < fields.size(); ++c) {
+                if (fields[c].empty()) continue;
+                const bool is_open = fields[c].front() == '[' || fields[c].front() == '(';
+                sheet.names[c] += is_open ? " " + fields[c] : " [" + fields[c] + "]";
             }
+            continue;
+        }
+        // Words below the numbers are about the measurement.
+        const bool has_words = fields.size() != expected || !says_missing(fields[axis]);
+        if (table.line() > last_numbers && has_words && !sheet.rows.empty()) {
+            sheet.remarks.push_back(fmt::format("{}", fmt::join(fields, " ")));
+            if (sheet.lines_below++ == 0) sheet.first_below = table.line();
+            continue;
+        }
+        if (fields.size() != expected && sheet.names.empty())
+            fields = with_empty_fields(table, expected);
+        if (fields.size() != expected) {
             table.refuse(
                 fmt::format("{} fields; the lines above have {}. Decimal commas need semicolons "
                             "between the fields; a file may be cut off",
                             fields.size(), expected));
         }
+        materials::ReadingBudget::require_values(cells += fields.size(), file.path, table.line());
         SheetRow row{table.line()};
         for (const std::string& field : fields) row.cells.push_back(cell_of(table, field));
         sheet.rows.push_back(std::move(row));

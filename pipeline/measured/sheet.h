@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pipeline/measured/columns.h"
 #include "pipeline/measured/reader.h"
 
 namespace miebrdf::measured {
@@ -29,9 +30,12 @@ struct Sheet {
     std::vector<std::string> remarks;    ///< comments, and lines above the names and below the rows
     std::vector<std::string> above;      ///< the fields of the line above the names
     bool names_are_wavelengths = false;  ///< from `first_wavelength` on: spectra in rows
+    int lines_below = 0, first_below = 0;  ///< words below the rows: how many, and from which line
 
     /// Whether a remark says so of the values: "in percent", "[%]".
     bool says_percent() const;
+    /// What a remark says of values without a name of their own: "Y Axis: Absorbance".
+    ValueMeaning meaning() const;
 };
 
 /// Percent in a name: "reflectance (%)".

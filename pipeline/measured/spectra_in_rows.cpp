@@ -46,22 +46,38 @@ bool has_directions(const Sheet& sheet) {
     });
 }
 
-Sheet one_value_a_line(const Sheet& sheet) {
+Sheet first_value_of_rows(const Sheet& sheet) {
     const std::size_t first = first_wavelength(sheet);
+    const auto end = std::ptrdiff_t(first);
     Sheet lines;
-    lines.names.assign(sheet.names.begin(), sheet.names.begin() + std::ptrdiff_t(first));
+    lines.names.assign(sheet.names.begin(), sheet.names.begin() + end);
     lines.names.insert(lines.names.end(), {"wavelength_nm", "value"});
     lines.names_line = sheet.names_line;
     lines.remarks = sheet.remarks;
     for (const SheetRow& row : sheet.rows) {
-        for (std::size_t c = first; c < sheet.names.size(); ++c) {
-            SheetRow line{row.line, {row.cells.begin(), row.cells.begin() + std::ptrdiff_t(first)}};
-            line.cells.push_back({sheet.names[c], wavelength_in_name(sheet.names[c])});
-            line.cells.push_back(row.cells[c]);
-            lines.rows.push_back(std::move(line));
-        }
+        SheetRow& line = lines.rows.emplace_back(
+            SheetRow{row.line, {row.cells.begin(), row.cells.begin() + end}});
+        line.cells.push_back({sheet.names[first], wavelength_in_name(sheet.names[first])});
+        line.cells.push_back(row.cells[first]);
     }
     return lines;
+}
+
+/// What the values of a row are: a cell says it ("SCI", "transmittance" under "type"), or nothing.
+std::optional<ValueMeaning> meaning_of_row(const Sheet& sheet, const SheetRow& row,
+                                           std::size_t first) {
+    static constexpr std::string_view kNames[] = {"quantity", "mode",      "type",    "measurement",
+                                                  "measured", "component", "specular"};
+    std::optional<ValueMeaning> meaning;
+    for (std::size_t c = 0; c < first; ++c) {
+        const auto said = value_meaning(row.cells[c].text);
+        if (!said) continue;
+        const std::string name = bare_name(sheet.names[c]);
+        const bool is_asked =
+            std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
+        if (is_asked || said->kind.geometry != MeasuredGeometry::unknown) meaning = said;
+    }
+    return meaning;
 }
 
 Measurements read_spectra_in_rows(const MeasuredFile& file, const Sheet& sheet,
@@ -70,17 +86,19 @@ Measurements read_spectra_in_rows(const MeasuredFile& file, const Sheet& sheet,
     const std::size_t first = first_wavelength(sheet);
     const std::vector<std::size_t> naming = naming_columns(sheet, first);
     bool percent = sheet.says_percent();
-    std::size_t missing = 0;
-    int first_missing = 0;
     double largest = 0.0;
     for (const SheetRow& row : sheet.rows) {
         for (std::size_t c = first; c < row.cells.size(); ++c)
             largest = std::max(largest, row.cells[c].number.value_or(0.0));
     }
     percent = percent && largest > 2.0;
-    for (std::size_t c = first; c < sheet.names.size(); ++c)
+    std::vector<double> nm;
+    for (std::size_t c = first; c < sheet.names.size(); ++c) {
         percent = percent || says_percent(sheet.names[c]);
+        nm.push_back(*wavelength_in_name(sheet.names[c]));
+    }
     const double factor = share_factor(list, options, percent, "as the file says");
+    const ValueMeaning of_all = sheet.meaning();
     for (const SheetRow& row : sheet.rows) {
         std::string name;
         for (const std::size_t c : naming) {
@@ -88,33 +106,26 @@ Measurements read_spectra_in_rows(const MeasuredFile& file, const Sheet& sheet,
             name += (name.empty() ? "" : " ") + row.cells[c].text;
         }
         if (name.empty()) name = fmt::format("row {}", list.samples.size() + 1);
-        std::vector<double> nm, values;
+        ValueMeaning meaning = meaning_of_row(sheet, row, first).value_or(of_all);
+        if (!meaning.refused.empty() && options.quantity.empty())
+            refuse(file, row.line, refusal_of(name, meaning.refused));
+        std::vector<double> values;
         for (std::size_t c = first; c < sheet.names.size(); ++c) {
             const SheetCell& cell = row.cells[c];
-            if (!cell.number) {
-                if (!cell.is_missing) {
-                    refuse(file, row.line,
-                           fmt::format("'{}' at {} is not a number", cell.text, sheet.names[c]));
-                }
-                if (missing++ == 0) first_missing = row.line;
-                continue;
+            if (!cell.number && !cell.is_missing) {
+                refuse(file, row.line,
+                       fmt::format("'{}' at {} is not a number", cell.text, sheet.names[c]));
             }
-            nm.push_back(*wavelength_in_name(sheet.names[c]));
-            values.push_back(*cell.number * (cell.is_percent ? 1.0 : factor));
+            const double number = cell.number.value_or(MeasuredValue::kNone);
+            values.push_back(meaning.conversion != Conversion::none
+                                 ? converted(number, meaning.conversion)
+                                 : number * (cell.is_percent ? 1.0 : factor));
         }
-        NamedGeometry geometry = geometry_in(name);
-        // A cell of its own may say it: "SCI".
-        for (std::size_t c = 0; c < first; ++c) {
-            const ColumnRole role = column_role(row.cells[c].text);
-            if (role.kind && role.kind->geometry != MeasuredGeometry::unknown)
-                geometry.geometry = role.kind->geometry;
-        }
-        add_spectrum(list, name, {MeasuredQuantity::reflectance, geometry.geometry}, geometry.mu_in,
-                     nm, values, std::vector<int>(nm.size(), row.line));
-    }
-    if (missing > 0) {
-        list.doubts.push_back(fmt::format("{}:{}: {} field{} without a number, left out", file.path,
-                                          first_missing, missing, missing > 1 ? "s" : ""));
+        const NamedGeometry geometry = geometry_in(name);
+        if (meaning.kind.geometry == MeasuredGeometry::unknown)
+            meaning.kind.geometry = geometry.geometry;
+        add_spectrum(list, name, meaning.kind, geometry.mu_in, nm, values,
+                     std::vector<int>(nm.size(), row.line));
     }
     return list;
 }

@@ -15,9 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Deleted channels are -1.23e34 in single precision; nothing measured is so small.
-constexpr double kDeleted = -1e30;
-
 struct SplibColumn {
     std::string title;
     std::vector<double> values;
@@ -34,7 +31,7 @@ SplibColumn splib_column(const MeasuredFile& file) {
             continue;
         }
         if (content.empty()) continue;
-        const auto value = materials::parse_number(content);
+        const auto value = measured_number(content);
         if (!value) refuse(file, line, fmt::format("'{}' is not a number", content.substr(0, 40)));
         column.values.push_back(*value);
     }
@@ -119,22 +116,14 @@ Measurements read_splib(const MeasuredFile& file, const MeasuredOptions& options
     }
     std::vector<double> nm, values;
     std::vector<int> lines;
-    std::size_t deleted = 0;
     for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
         const int line = static_cast<int>(i) + 2;
-        if (spectrum.values[i] < kDeleted || wavelengths.values[i] < kDeleted) {
-            ++deleted;
-            continue;
-        }
+        if (std::isnan(wavelengths.values[i])) continue;  // deleted there
         if (!(wavelengths.values[i] > 0.0))
             refuse(file, line, fmt::format("wavelength {}", wavelengths.values[i]));
         nm.push_back(wavelengths.values[i] * (in_nm ? 1.0 : 1000.0));
         values.push_back(spectrum.values[i]);
         lines.push_back(line);
-    }
-    if (deleted > 0) {
-        list.doubts.push_back(
-            fmt::format("{}: {} deleted channels (-1.23e34), left out", file.path, deleted));
     }
     // "splib07a Record=11062: Acmite NMNH133746 BECKa AREF": the sample stands behind the colon.
     const std::size_t colon = spectrum.title.find(':');

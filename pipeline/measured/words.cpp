@@ -35,10 +35,17 @@ constexpr std::pair<std::string_view, MeasuredKind> kKinds[] = {
 
 }  // namespace
 
-MeasuredKind measured_kind(std::string_view word) {
-    std::string allowed;
+std::optional<MeasuredKind> measured::find_kind(std::string_view word) {
     for (const auto& [name, kind] : kKinds) {
         if (name == word) return kind;
+    }
+    return std::nullopt;
+}
+
+MeasuredKind measured_kind(std::string_view word) {
+    if (const auto kind = measured::find_kind(word)) return *kind;
+    std::string allowed;
+    for (const auto& [name, kind] : kKinds) {
         allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", name);
     }
     throw UsageError("quantity", std::string(word), allowed);

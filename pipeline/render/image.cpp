@@ -53,12 +53,19 @@ Image read_open_exr(const std::string& content, const std::string& path) {
     return image;
 }
 
+/// Opening a pipe waits until somebody writes into it.
+std::ifstream open_picture(const std::string& path) {
+    if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));
+    if (!std::filesystem::is_regular_file(path))
+        throw InputError(fmt::format("{}: no ordinary file", path));
+    return std::ifstream(path, std::ios::binary);
+}
+
 }  // namespace
 
 Image read_exr(const std::string& path) {
-    if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));
     std::ostringstream content;
-    content << std::ifstream(path, std::ios::binary).rdbuf();
+    content << open_picture(path).rdbuf();
     try {
         return read_open_exr(content.str(), path);
     } catch (const InputError&) {
@@ -100,9 +107,7 @@ using Rgbe = std::array<std::uint8_t, 4>;
 
 class HdrReader {
   public:
-    explicit HdrReader(const std::string& path) : path_(path), in_(path, std::ios::binary) {
-        if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));
-    }
+    explicit HdrReader(const std::string& path) : path_(path), in_(open_picture(path)) {}
 
     Image read() {
         read_header();

@@ -183,6 +183,8 @@ TriangleMesh build(const std::vector<Face>& faces, const tinyobj::attrib_t& attr
 
 TriangleMesh read_obj(const std::string& path) {
     if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));
+    if (!std::filesystem::is_regular_file(path))
+        throw InputError(fmt::format("{}: no ordinary file", path));
     require_numbers(path);
     tinyobj::ObjReaderConfig config;
     config.triangulate = true;

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
-#include <regex>
+#include <optional>
 #include <sstream>
 
 #include <miebrdf/error.h>
@@ -26,11 +25,7 @@ constexpr double kNmPerUm = 1e3;
 }
 
 std::string text_of_file(const std::string& path) {
-    std::ifstream in(path);
-    if (!in) refuse(path, "cannot be opened");
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
+    return materials::read_bytes(path, materials::ReadingBudget::kLargeBytes);
 }
 
 /// The numbers of a line up to the first word that is none; Fortran's D is an E.
@@ -40,6 +35,21 @@ std::vector<double> numbers_in(std::string line) {
     std::vector<double> numbers;
     for (double number; in >> number;) numbers.push_back(number);
     return numbers;
+}
+
+/// The number of "NAME = X" in a line; nothing where there is none.
+std::optional<double> number_of(const std::string& line, const std::string& name) {
+    for (std::size_t at = line.find(name); at != std::string::npos; at = line.find(name, at + 1)) {
+        const std::size_t mark = line.find_first_not_of(' ', at + name.size());
+        if (mark == std::string::npos || line[mark] != '=') continue;
+        // The next name follows without a blank in some versions.
+        const std::size_t begin = line.find_first_not_of(' ', mark + 1),
+                          end = line.find_first_not_of("0123456789.DE+-", begin);
+        if (begin == std::string::npos) return std::nullopt;
+        const auto numbers = numbers_in(line.substr(begin, end - begin));
+        if (!numbers.empty()) return numbers.front();
+    }
+    return std::nullopt;
 }
 
 /// Component files of OPAC: rows of spectra behind `#`, then a row for each angle.
@@ -73,18 +83,15 @@ void read_opac(const std::string& path, const std::string& text, FileScattering&
 /// Reads what the T-matrix programs print of particles in random orientation. Their functions of
 /// BETA1 and BETA2 have the other sign than d^l_02.
 void read_t_matrix(const std::string& path, const std::string& text, Species& species) {
-    const std::regex of_wavelength("LAM *= *([0-9.DE+-]+)"),
-        of_sections("CEXT *= *([0-9.DE+-]+).*W *= *([0-9.DE+-]+)");
     std::istringstream in(text);
     FileScattering& table = species.scattering;
     bool in_list = false;
     for (std::string line; std::getline(in, line);) {
-        std::smatch found;
-        if (std::regex_search(line, found, of_wavelength))
-            table.wavelength_nm.push_back(kNmPerUm * numbers_in(found[1]).at(0));
-        if (std::regex_search(line, found, of_sections)) {
-            table.extinction.push_back(numbers_in(found[1]).at(0));
-            table.albedo.push_back(std::min(1.0, numbers_in(found[2]).at(0)));
+        if (const auto lam = number_of(line, "LAM")) table.wavelength_nm.push_back(kNmPerUm * *lam);
+        const auto extinction = number_of(line, "CEXT"), albedo = number_of(line, " W");
+        if (extinction && albedo) {
+            table.extinction.push_back(*extinction);
+            table.albedo.push_back(std::min(1.0, *albedo));
         }
         const std::vector<double> row = numbers_in(line);
         if (line.find("ALPHA1") != std::string::npos) {
@@ -127,9 +134,14 @@ std::filesystem::path beside(const std::string& path, const std::string& word) {
 std::vector<std::vector<double>> rows_of(const std::filesystem::path& path) {
     std::istringstream in(text_of_file(path.string()));
     std::vector<std::vector<double>> rows;
+    std::size_t count = 0;
     for (std::string line; std::getline(in, line);) {
-        if (std::vector<double> row = numbers_in(line); !row.empty())
-            rows.push_back(std::move(row));
+        std::vector<double> row = numbers_in(line);
+        if (row.empty()) continue;
+        count += row.size();
+        materials::ReadingBudget::require_values(count, path.string(), 0,
+                                                 materials::ReadingBudget::kNumbers);
+        rows.push_back(std::move(row));
     }
     return rows;
 }

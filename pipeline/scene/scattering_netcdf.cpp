@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include <miebrdf/error.h>
+#include "materials/readers/text_table.h"
 #include "pipeline/io/netcdf_file.h"
 #include "pipeline/scene/matrix_on_angles.h"
 
@@ -44,10 +46,16 @@ class Variables {
     /// All numbers as they lie in the file.
     std::vector<double> read(const std::string& name) const {
         std::vector<std::size_t> start, count;
+        double all = 1.0;
         for (const int dimension : dimensions(name)) {
             start.push_back(0);
             count.push_back(size(dimension));
+            all *= double(count.back());
         }
+        // Packed, a thousand million numbers take no room in a file.
+        if (!(all <= double(materials::ReadingBudget::kNumbers)))
+            refuse(fmt::format("has {:g} numbers in '{}'; allowed: up to {}", all, name,
+                               materials::ReadingBudget::kNumbers));
         return file_->numbers(file_->find(name), start, count);
     }
 
@@ -72,6 +80,9 @@ class Variables {
         std::vector<std::size_t> sizes;
         std::size_t count = 1, place = 0;
         for (const int dimension : over) count *= sizes.emplace_back(size(dimension));
+        if (count > materials::ReadingBudget::kNumbers)
+            refuse(fmt::format("has {} numbers in '{}'; allowed: up to {}", count, name,
+                               materials::ReadingBudget::kNumbers));
         std::vector<double> result(count);
         for (double& value : result) {
             value = values[place];
@@ -229,6 +240,10 @@ void read_libradtran(const Variables& file, Species& species) {
             const double radius_um = table.radius_um[i % table.radius_um.size()];
             table.extinction[i] = efficiency(table.extinction[i], density[i], radius_um);
         }
+    } else if (file.has("reff")) {
+        file.refuse(
+            "has effective radii (reff) and no densities (rho): its extinction is per mass, of "
+            "which nothing follows for a volume; add rho, in g/cm3");
     } else if (file.size(of_sizes) > 1) {
         file.refuse(
             fmt::format("has {} humidities and no effective radii; write one of them into "
@@ -352,6 +367,7 @@ void read_aerosol_table(const Variables& file, FileScattering& table) {
 }  // namespace
 
 bool is_netcdf(const std::string& path) {
+    if (!std::filesystem::is_regular_file(path)) return false;  // reading a pipe may not end
     std::string bytes(8, '\0');
     std::ifstream(path, std::ios::binary).read(bytes.data(), std::streamsize(bytes.size()));
     return bytes.starts_with("CDF\x01") || bytes.starts_with("CDF\x02") ||

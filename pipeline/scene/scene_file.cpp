@@ -64,10 +64,9 @@ class SceneFile {
   public:
     SceneFile(const std::string& path, std::span<const SceneFileCommand> commands)
         : path_(path), commands_(commands) {
-        if (!std::filesystem::is_regular_file(path))
-            throw InputError(fmt::format("scene file '{}' does not exist", path));
+        const std::string text = read_toml_text("scene file", path);
         try {
-            root_ = toml::parse_file(path);
+            root_ = toml::parse(text, path);
         } catch (const toml::parse_error& error) {
             refuse(error.source(), std::string(error.description()));
         }

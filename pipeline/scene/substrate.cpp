@@ -1,13 +1,16 @@
 // Reads and writes the words for what lies below the layers in place of a base.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 
-#include "materials/readers/text_table.h"
+#include "pipeline/measured/reader.h"
 #include "pipeline/scene/number_list.h"
 #include "pipeline/scene/scene_parts.h"
 
@@ -21,21 +24,39 @@ void check_albedo(double albedo, const std::string& where) {
     }
 }
 
-/// A column of wavelengths and one other.
+/// Reflectances of any file of measurements, of one sample: hemispherical ones where there are
+/// others beside them.
 Substrate read_ground_file(const std::string& path) {
-    const materials::NumberTable table(path);
-    const std::vector<double> albedo = table.fractions(table.spectrum(), 1.0);
-    const std::vector<double>& wavelength_nm = table.column("wavelength_nm");
+    const Measurements list = measured::read_with(measured::readers(), path, {});
+    const auto is_albedo = [](const MeasuredValue& v) {
+        return (v.quantity == MeasuredQuantity::reflectance ||
+                v.quantity == MeasuredQuantity::reflectance_factor) &&
+               v.geometry != MeasuredGeometry::directions && !std::isnan(v.wavelength_nm);
+    };
+    const bool hemispherical = std::any_of(list.values.begin(), list.values.end(), [&](auto& v) {
+        return is_albedo(v) && v.geometry == MeasuredGeometry::hemispherical;
+    });
+    const auto refuse = [&](int line, const std::string& reason) {
+        throw materials::ImportError(path, line, reason);
+    };
     std::map<double, double> spectrum;  // in order of wavelength
-    for (std::size_t row = 0; row < table.rows(); ++row) {
-        const double nm = wavelength_nm[row];
-        if (!(nm > 0.0 && std::isfinite(nm)))
-            table.refuse(row, fmt::format("wavelength {} nm", nm));
-        if (!(albedo[row] >= 0.0))
-            table.refuse(row, fmt::format("albedo {}; allowed: [0, 1]", albedo[row]));
-        if (!spectrum.emplace(nm, albedo[row]).second)
-            table.refuse(row, fmt::format("{} nm is there twice", nm));
+    std::optional<std::size_t> sample;
+    for (const MeasuredValue& v : list.values) {
+        if (!is_albedo(v) || (hemispherical && v.geometry != MeasuredGeometry::hemispherical))
+            continue;
+        if (sample.value_or(v.sample) != v.sample) {
+            refuse(0,
+                   fmt::format("which column or sample? It has {}; a ground is one of them: write "
+                               "it with `miebrdf measured FILE --column NAME -o GROUND.csv`",
+                               fmt::join(list.samples, ", ")));
+        }
+        sample = v.sample;
+        if (!(v.value >= 0.0 && v.value <= 1.0))
+            refuse(v.line, fmt::format("albedo {}; allowed: [0, 1]", v.value));
+        if (!spectrum.emplace(v.wavelength_nm, v.value).second)
+            refuse(v.line, fmt::format("{} nm is there twice", v.wavelength_nm));
     }
+    if (spectrum.empty()) refuse(0, "has no reflectance over wavelengths, which a ground needs");
     Substrate ground{.kind = Substrate::Kind::lambertian, .file = path};
     for (const auto& [nm, value] : spectrum) {
         ground.wavelength_nm.push_back(nm);

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "materials/database/names.h"
+#include "materials/readers/text_table.h"
 
 namespace miebrdf {
 
@@ -77,10 +77,16 @@ std::vector<std::pair<std::string, const toml::node*>> TomlFile::in_order(
 }
 
 std::string read_toml_text(const std::string& kind, const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    if (!std::filesystem::is_regular_file(path) || !stream)
-        throw InputError(fmt::format("{} '{}' does not exist or cannot be read", kind, path));
-    return {std::istreambuf_iterator<char>(stream), {}};
+    const auto refuse = [&](const char* reason) {
+        throw InputError(fmt::format("{} '{}' {}", kind, path, reason));
+    };
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) refuse("does not exist");
+    // Reading a pipe or a device may not end.
+    if (!std::filesystem::is_regular_file(status)) refuse("is no ordinary file");
+    if (::access(path.c_str(), R_OK) != 0) refuse("cannot be read");
+    return materials::read_bytes(path);
 }
 
 }  // namespace miebrdf

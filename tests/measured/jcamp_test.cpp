@@ -73,5 +73,47 @@ TEST_CASE("damaged JCAMP-DX files are refused with their line", "[measured][jcam
     refused(jcamp_file("400 1\n", "(R++(I..I))"), "data of the form");
     refused("##TITLE=x\n##JCAMP-DX=4\n##END=\n", "no ##XYDATA=");
     refused("##TITLE=x\n##JCAMP-DX=4\n##XUNITS=HZ\n##XYDATA=(X++(Y..Y))\n1 2\n", "##XUNITS= 'HZ'");
-    refused(jcamp_file("400 1000 12 12 12\n408 9 8 -5\n"), "percent");
+    refused(jcamp_file("400 1000 1200 1200 1200\n408 900 800 -500\n"), "percent");
+    refused(jcamp_file("400 10 12 12 12 1 1 1 1\n408 9 8 -5\n"), "more values than ##NPOINTS=");
+    refused(jcamp_file("400 1\n", "(X++(Y..Y))", "RADIANCE"), "is radiance");
+}
+
+TEST_CASE("the lines, or DELTAX, win over a LASTX that is off, and missing values are said",
+          "[measured][jcamp]") {
+    const auto file = [](const std::string& labels, const std::string& data) {
+        return "##TITLE=t\n##JCAMP-DX=4.24\n##XUNITS=1/CM\n##YUNITS=TRANSMITTANCE\n##YFACTOR=0.01\n"
+               "##FIRSTX=1000\n##NPOINTS=9\n" +
+               labels + "##XYDATA=(X++(Y..Y))\n" + data + "##END=\n";
+    };
+    const std::string rows = "1000 10 20 30\n997 40 50 60\n994 50 40 30\n";
+    const std::string labels =
+        GENERATE("##DELTAX=-1\n##LASTX=990\n", "##LASTX=990\n", "##DELTAX=1.0\n##LASTX=950\n");
+    CAPTURE(labels);
+    const Measurements list = read_text(file(labels, rows));
+    REQUIRE(list.values.size() == 9);
+    CHECK(wavelengths_of(list).back() == Approx(1e7 / 992.0).epsilon(1e-12));
+    REQUIRE(list.doubts.size() == 1);
+    CHECK_THAT(list.doubts[0], Catch::Contains("##LASTX= is 9") && Catch::Contains("say 992"));
+
+    const Measurements one =
+        read_text(file("##DELTAX=-1\n##LASTX=990\n", "1000 10 20 30 40 50 60 50 40 30\n"));
+    CHECK(wavelengths_of(one).back() == Approx(1e7 / 992.0).epsilon(1e-12));
+
+    const Measurements gap =
+        read_text(file("##DELTAX=-1\n##LASTX=992\n", "1000 10 20 ?\n997 40 50 60\n994 50 40 30\n"));
+    CHECK(gap.values.size() == 8);
+    REQUIRE(gap.doubts.size() == 1);
+    CHECK_THAT(gap.doubts[0], Catch::Contains("no number; left out"));
+}
+
+TEST_CASE("Kubelka-Munk units and log(1/R) become reflectance", "[measured][jcamp]") {
+    // F = (1 - R)^2 / 2R: 0.25 of R = 0.5.
+    const Measurements km =
+        read_text(jcamp_file("400 25 25 25 25\n408 25 25 25\n", "(X++(Y..Y))", "KUBELKA-MUNK"));
+    CHECK(km.values[0].value == Approx(0.5).epsilon(1e-14));
+    CHECK(km.values[0].quantity == MeasuredQuantity::reflectance);
+    const Measurements log =
+        read_text(jcamp_file("400 100 100 100 100\n408 100 100 100\n", "(X++(Y..Y))", "LOG(1/R)"));
+    CHECK(log.values[0].value == Approx(0.1).epsilon(1e-14));
+    CHECK(log.values[0].quantity == MeasuredQuantity::reflectance);
 }

@@ -13,6 +13,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
+#include "materials/readers/text.h"
 #include "pipeline/io/atomic_file.h"
 #include "tools/miebrdf/processor_path.h"
 #include "tools/miebrdf/terminal.h"
@@ -190,7 +191,10 @@ void Shell::note_at_end(const std::string& line) const {
 }
 
 void Shell::note(const std::string& line) const {
-    if (!common_.quiet) std::cerr << "miebrdf: " << line << '\n';
+    if (common_.quiet) return;
+    std::cerr << "miebrdf: ";
+    for (const std::string_view part : materials::split_lines(line))
+        std::cerr << materials::printable(part) << '\n';
 }
 
 }  // namespace miebrdf::program

@@ -110,8 +110,9 @@ class MadeBy {
 }  // namespace
 
 std::string command_of_file(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw InputError(fmt::format("'{}' cannot be read", path));
+    std::ifstream file;
+    if (std::filesystem::is_regular_file(path)) file.open(path, std::ios::binary);
+    if (!file.is_open()) throw InputError(fmt::format("'{}' cannot be read", path));
     std::string command = command_in_stream(file);
     if (!command.empty()) return command;
     std::ifstream sidecar(path + ".json", std::ios::binary);

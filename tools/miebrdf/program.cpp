@@ -4,6 +4,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -13,6 +14,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
 #include "materials/database/names.h"
+#include "materials/readers/text.h"
 #include "pipeline/scene/species_keys.h"
 #include "tools/miebrdf/processor_path.h"
 #include "tools/miebrdf/terminal.h"
@@ -175,11 +177,7 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error) {
 namespace {
 
 int complain(int code, const std::string& message) {
-    std::string line = message;
-    for (char& c : line) {
-        if (c == '\n') c = ' ';
-    }
-    std::cerr << "miebrdf: error: " << line << '\n';
+    std::cerr << "miebrdf: error: " << materials::printable(message) << '\n';
     return code;
 }
 
@@ -331,6 +329,7 @@ int run_main(std::span<const Command> commands, int argc, char** argv) {
         return complain(kUsage, error.what());
     }
     keep_freed_memory();
+    std::signal(SIGXFSZ, SIG_IGN);  // a limit of file sizes is an error of writing, no death
     return run_program(commands, {argv + 1, argv + argc});
 }
 

@@ -187,8 +187,20 @@ std::vector<Cell> optics_row(const MediaSpectra& spectra, std::size_t w) {
 int write_optics(MediaSpectra spectra, const Shell& shell) {
     spectra.compute(shell.control());
     Table table;
-    add_facts(table, spectra, "wavelength_nm: nm in vacuum; all others dimensionless");
-    table.columns = {"wavelength_nm", "n", "k", "single_scattering_albedo", "asymmetry", "q_ext",
+    // Ensembles of files have a cross-section, or an extinction in a unit that nobody knows: their
+    // area is not known, so there is no Q.
+    const auto& species = spectra.scene.media.front().species;
+    const FileScattering& file = species.front().species.scattering;
+    const bool has_area = species.size() > 1 || file.extinction.empty() || !file.radius_um.empty();
+    const char* extinction = has_area                  ? "q_ext"
+                             : file.has_cross_sections ? "extinction_um2"
+                                                       : "extinction";
+    add_facts(table, spectra,
+              fmt::format("wavelength_nm: nm in vacuum; {}all others dimensionless",
+                          has_area                  ? ""
+                          : file.has_cross_sections ? "extinction_um2: um2 of a particle; "
+                                                    : "extinction: in the unit of the file; "));
+    table.columns = {"wavelength_nm", "n", "k", "single_scattering_albedo", "asymmetry", extinction,
                      "error_estimate"};
     for (int l = 0; l <= spectra.demand.highest_moment; ++l)
         table.columns.push_back(fmt::format("chi_{}", l));

@@ -4,12 +4,11 @@
 #include <algorithm>
 
 #include <miebrdf/formats.h>
+#include "materials/readers/text_table.h"
 #include "pipeline/measured/reader.h"
 
 namespace miebrdf::measured {
 namespace {
-
-constexpr std::size_t kMostValues = 5'000'000;
 
 /// Directions at which files are read that have no list of their own.
 const ListedDirections& usual_directions() {
@@ -41,9 +40,7 @@ Measurements read_brdf(const MeasuredFile& file, const MeasuredOptions&) {
     const std::size_t channels = brdf->channels().size();
     const std::size_t count = directions.mu_in.size() * directions.mu_out.size() *
                               directions.azimuth_deg.size() * channels;
-    if (count > kMostValues) {
-        refuse(file, 0, fmt::format("{} values; allowed: up to {}", count, kMostValues));
-    }
+    materials::ReadingBudget::require_values(count, file.path);
     Measurements list;
     list.samples = {brdf->format()};
     list.facts.emplace_back(

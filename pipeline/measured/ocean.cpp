@@ -1,0 +1,83 @@
+// Texts of Ocean Optics' programs (SpectraSuite, OceanView): lines about the measurement, then
+// wavelength and value below ">>>>>Begin Spectral Data<<<<<". What the values are stands in the
+// name of the file that the first line repeats ("Data from leaf_Reflection_0001.txt Node"), or
+// nowhere.
+#include <fmt/format.h>
+
+#include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
+#include "pipeline/measured/columns.h"
+#include "pipeline/measured/reader.h"
+
+namespace miebrdf::measured {
+namespace {
+
+bool is_begin(std::string_view line) {
+    return line.starts_with(">>>>>Begin") && line.find("Spectral Data") != std::string_view::npos;
+}
+
+bool looks_like_ocean(const MeasuredFile& file) {
+    const std::string_view start = file.content.substr(0, 8000);
+    const std::size_t at = start.find(">>>>>Begin");
+    return at != std::string_view::npos && is_begin(start.substr(at, 80));
+}
+
+Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options) {
+    Measurements list;
+    std::optional<ValueMeaning> said;
+    std::string title;
+    bool in_data = false;
+    double factor = 1.0;
+    std::vector<double> nm, values;
+    std::vector<int> lines;
+    int line = 0;
+    for (const std::string_view text : materials::split_lines(file.content)) {
+        ++line;
+        const std::string_view content = materials::without_blanks(text);
+        if (content.empty()) continue;
+        if (content.starts_with(">>>>>End")) break;
+        if (!in_data) {
+            if (title.empty()) {
+                title = materials::as_utf8(content);
+                said = value_meaning(content);
+            }
+            in_data = is_begin(content);
+            if (!in_data) continue;
+            if (options.quantity.empty() && !said) {
+                refuse(file, line,
+                       "the file does not say what its values are (Reflection, Transmission or "
+                       "Absorbance in its first line): say so with the option quantity");
+            }
+            if (options.quantity.empty() && !said->refused.empty())
+                refuse(file, 1, refusal_of(title, said->refused));
+            const bool is_converted = said && said->conversion != Conversion::none;
+            if (!is_converted)
+                factor = share_factor(list, options, said.has_value(), "as these programs write");
+            else
+                list.facts.emplace_back("data", words_of(said->conversion, said->kind.quantity));
+            continue;
+        }
+        const std::vector<std::string> words = materials::split_numbers(content);
+        const auto x = words.size() == 2 ? measured_number(words[0]) : std::nullopt;
+        const auto y = words.size() == 2 ? measured_number(words[1]) : std::nullopt;
+        if (!x || !y || !(*x > 0.0)) {
+            refuse(file, line,
+                   fmt::format("'{}': expected a wavelength and a value", content.substr(0, 60)));
+        }
+        nm.push_back(*x);
+        values.push_back(converted(*y, said ? said->conversion : Conversion::none) * factor);
+        lines.push_back(line);
+    }
+    if (nm.empty()) refuse(file, 0, "no values below its line 'Begin Spectral Data'");
+    const MeasuredQuantity quantity = said ? said->kind.quantity : MeasuredQuantity::reflectance;
+    add_spectrum(list, title, {quantity, MeasuredGeometry::unknown}, MeasuredValue::kNone, nm,
+                 values, lines);
+    return list;
+}
+
+}  // namespace
+
+extern const Reader kOcean;
+constinit const Reader kOcean{{"ocean", "Ocean Optics (.txt)"}, looks_like_ocean, read_ocean};
+
+}  // namespace miebrdf::measured

@@ -1,0 +1,75 @@
+// SVC and GER field spectrometers (.sig): lines "key= value" up to "data=", then wavelength, signal
+// of the white panel, signal of the sample, reflectance in percent. Where detectors overlap,
+// wavelengths go back.
+#include <fmt/format.h>
+
+#include "materials/readers/text.h"
+#include "materials/readers/text_table.h"
+#include "pipeline/measured/reader.h"
+
+namespace miebrdf::measured {
+namespace {
+
+bool looks_like_svc(const MeasuredFile& file) {
+    return file.content.starts_with("/*** Spectra Vista") ||
+           file.content.starts_with("///GER SIGNATUR FILE///");
+}
+
+Measurements read_svc(const MeasuredFile& file, const MeasuredOptions& options) {
+    Measurements list;
+    std::vector<double> nm, values;
+    std::vector<int> lines;
+    std::string name = "spectrum";
+    bool in_data = false, ratio = false;
+    double factor = 1.0;
+    int line = 0;
+    for (const std::string_view text : materials::split_lines(file.content)) {
+        ++line;
+        const std::string_view content = materials::without_blanks(text);
+        if (content.empty() || line == 1) continue;
+        if (!in_data) {
+            const std::size_t mark = std::min(content.find('='), content.size());
+            const std::string key = materials::lower_case(content.substr(0, mark));
+            const std::string value = materials::as_utf8(
+                materials::without_blanks(content.substr(std::min(mark + 1, content.size()))));
+            in_data = key == "data";
+            if (in_data) factor = share_factor(list, options, true, "as all .sig files");
+            if (key == "name" && !value.empty()) name = value;
+            if (key == "units" || key == "instrument" || key == "factors" || key == "comm")
+                list.facts.emplace_back(key, value);
+            continue;
+        }
+        std::vector<double> numbers;
+        for (const std::string& word : materials::split_numbers(content)) {
+            const auto number = measured_number(word);
+            if (!number) refuse(file, line, fmt::format("'{}' is not a number", word));
+            numbers.push_back(*number);
+        }
+        if (numbers.size() != 3 && numbers.size() != 4) {
+            refuse(file, line,
+                   fmt::format("{} numbers; expected: wavelength, panel, sample, and reflectance "
+                               "in percent",
+                               numbers.size()));
+        }
+        ratio = numbers.size() == 3;
+        nm.push_back(numbers[0]);
+        values.push_back(!ratio             ? numbers[3] * factor
+                         : numbers[1] > 0.0 ? numbers[2] / numbers[1]
+                                            : MeasuredValue::kNone);
+        lines.push_back(line);
+    }
+    if (nm.empty()) refuse(file, 0, "no numbers below a line 'data='");
+    list.facts.emplace_back(
+        "data", ratio ? "sample over white panel" : "reflectance, relative to the white panel");
+    add_spectrum(list, name, {MeasuredQuantity::reflectance_factor, MeasuredGeometry::unknown},
+                 MeasuredValue::kNone, nm, values, lines);
+    return list;
+}
+
+}  // namespace
+
+extern const Reader kSvc;
+constinit const Reader kSvc{
+    {"svc", "SVC and GER field spectrometers (.sig)"}, looks_like_svc, read_svc};
+
+}  // namespace miebrdf::measured
