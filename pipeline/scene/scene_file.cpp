@@ -15,6 +15,7 @@
 
 #include <miebrdf/error.h>
 #include "materials/database/names.h"
+#include "pipeline/scene/toml_file.h"
 
 namespace miebrdf {
 namespace {
