@@ -211,7 +211,11 @@ def header_page(header: Path, declared: list[str]) -> str:
     if code:
         example, _, more = code.partition("\n\n")
         text += ".. code-block:: cpp\n\n    " + example + f"\n\n{more}\n\n"
-    text += "\n".join(declared)
+    last = ""
+    for directive in declared:  # a heading each, which "On this page" lists; overloads share one
+        name = re.sub(r"\(.*", "", directive.splitlines()[0].partition(":: ")[2]).rpartition("::")[2]
+        text += (f"{name}\n{'-' * len(name)}\n\n" if name != last else "") + directive + "\n"
+        last = name
     shown = HERE.parent / "examples/headers" / f"{header.stem}.cpp"
     if shown.exists():
         text += f"\n\nExample\n-------\n\n.. literalinclude:: /docs/examples/headers/{shown.name}\n   :language: cpp\n"
@@ -342,6 +346,8 @@ def main() -> None:
          build / "source", site], env=environment, check=False)  # fmt: skip
     if done.returncode:
         sys.exit("the site was not made without warnings")
+    for page in (site / "reference/cpp").glob("*.html"):  # Breathe's dash before a reason that is not there
+        put(page, page.read_text(encoding="utf-8").replace(" \u2013 </p>", "</p>"))
     wrong = dead_links(site)
     print("\n".join(wrong))
     print(f"{site}/index.html: {len(list(site.rglob('*.html')))} pages, {len(wrong)} dead links")

@@ -1,8 +1,13 @@
 """Sphinx's settings for the site; `tools/site` gathers the pages and calls it (docs/site/build.py)."""
 
 import os
+import re
 import sys
 from pathlib import Path
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.util import logging
 
 gathered = Path(os.environ["MIEBRDF_SITE"])  # what build.py puts together
 sys.path.insert(0, str(gathered / "python"))
@@ -24,7 +29,9 @@ source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["tests", "materials", "mie", "rte", "pipeline", ".github"]
 
 myst_heading_anchors = 6
-myst_enable_extensions = ["html_image"]
+myst_enable_extensions = ["html_image", "dollarmath"]
+myst_dmath_allow_space = myst_dmath_allow_digits = False  # prices and shell variables are no formulas
+html_math_renderer = "mathml"
 
 breathe_projects = {"miebrdf": str(gathered / "doxygen" / "xml")}
 breathe_default_project = "miebrdf"
@@ -51,3 +58,24 @@ html_show_sourcelink = False
 html_show_sphinx = False
 html_permalinks_icon = "#"
 html_show_search_summary = False  # it would be fetched, which browsers refuse for files on a disk
+
+
+def show_formula(writer: nodes.NodeVisitor, node: nodes.Element) -> None:
+    """A formula as MathML, which browsers set themselves: it needs no script, font or network."""
+    bars = node.astext().replace("\\lvert", "\\lmoustache").replace("\\rvert", "\\rmoustache")
+    try:
+        formula = tex2mathml(bars)
+    except Exception as error:  # noqa: BLE001: its type differs between versions of docutils
+        logging.getLogger(__name__).warning("%s: %s", node.astext(), error, location=node)
+        raise nodes.SkipNode from error
+    for side, bar in (("prefix", "\u23b0"), ("postfix", "\u23b1")):  # which side of it a bar belongs to
+        formula = re.sub(f"<mo[^>]*>{bar}</mo>", f'<mo form="{side}" stretchy="false">|</mo>', formula)
+    if isinstance(node, nodes.math_block):
+        shown = formula.replace("<math ", '<math display="block" ', 1)
+        formula = f'<div class="formula">{shown}</div>'
+    writer.body.append(formula)
+    raise nodes.SkipNode
+
+
+def setup(app) -> None:
+    app.add_html_math_renderer("mathml", (show_formula, None), (show_formula, None))

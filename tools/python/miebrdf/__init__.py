@@ -13,8 +13,6 @@ Examples
 >>> b(0.5, 0.9, azimuth_deg=180.0)
 """
 
-from __future__ import annotations
-
 from . import _install
 
 _install.check()
