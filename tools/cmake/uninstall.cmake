@@ -1,5 +1,5 @@
 # Removes what the last `cmake --install` of a build folder has written, and the folders of ours that
-# are empty then: cmake --build BUILD --target uninstall, or cmake -DBUILD=... -P this
+# are empty then (of ours alone below /usr, elsewhere all): cmake --build BUILD --target uninstall, or cmake -DBUILD=... -P this
 file(GLOB manifests "${BUILD}/install_manifest*.txt")
 if(NOT manifests)
     message(FATAL_ERROR "${BUILD}: nothing was installed from here (there is no install_manifest.txt)")
@@ -13,9 +13,9 @@ foreach(manifest IN LISTS manifests)
             file(REMOVE "${file}")
             math(EXPR count "${count} + 1")
         endif()
-        # Upwards, as long as folders have our name in their path and nothing in them.
+        # Upwards, as long as folders have nothing in them; those that a system has anyway stay.
         cmake_path(GET file PARENT_PATH folder)
-        while(folder MATCHES "/miebrdf(/|$)")
+        while(folder MATCHES "/miebrdf(/|$)" OR NOT "${folder}/" MATCHES "^($ENV{DESTDIR}/usr/|$ENV{DESTDIR}/$|/$)")
             file(GLOB left "${folder}/*" "${folder}/.*")
             if(left OR NOT IS_DIRECTORY "${folder}")
                 break()
