@@ -109,7 +109,6 @@ bool is_file(const std::string& name) { return name.find_first_of("./\\") != std
 
 void read_file(const std::string& path, Species& species) {
     const materials::NumberTable file(path);
-    file.require_names({"wavelength_nm", "mu_s_reduced", "mu_a"});
     const auto by_volume = file.comment("volume"), by_weight = file.comment("weight");
     if (by_volume && by_weight) file.refuse("has '# volume' and '# weight'; allowed: one of them");
     const double share = by_volume.value_or(by_weight.value_or(1.0));
@@ -194,6 +193,13 @@ void read_paste(const std::string& name, Species& species) {
 const MediumParameter kAsymmetry = {"asymmetry", "(-1, 1)",
                                     [](double g) { return g > -1.0 && g < 1.0; }};
 
+/// What fills its layer has a share of it, and a density where that is a share of the mass.
+Species without_share(Species rest) {
+    rest.density_g_cm3.reset();
+    if (rest.amount && rest.amount->kind != Amount::Kind::number_per_cm3) rest.amount.reset();
+    return rest;
+}
+
 }  // namespace
 
 MediumKind paste() {
@@ -212,13 +218,7 @@ MediumKind paste() {
             .given = medium_of_paste,
             .has_extinction = true,
             .fills_layer = true,
-            .without_own_keys =
-                [](Species rest) {
-                    rest.density_g_cm3.reset();
-                    if (rest.amount && rest.amount->kind != Amount::Kind::number_per_cm3)
-                        rest.amount.reset();
-                    return rest;
-                },
+            .without_own_keys = without_share,
             .own_keys = "pastes take volume= or mass=, and density=",
             .check = check_paste};
 }
@@ -231,7 +231,7 @@ MediumKind turbid() {
             .example = "turbid:0.01,1.2,0.8",
             .help =
                 "a medium by its absorption and reduced scattering per mm, and its asymmetry (0 "
-                "where it is left out); it fills its layer",
+                "where it is left out); it fills its layer, or a share of it",
             .parameters = {{"absorption per mm", ">= 0, finite", is_coefficient},
                            {"reduced scattering per mm", ">= 0, finite", is_coefficient},
                            {.name = kAsymmetry.name,
@@ -246,7 +246,8 @@ MediumKind turbid() {
             },
             .has_extinction = true,
             .fills_layer = true,
-            .own_keys = "what turbid media have is per mm of their layer, and no amount",
+            .without_own_keys = without_share,
+            .own_keys = "turbid media take volume= or mass=, and density=",
             .check =
                 [](const Species& species) {
                     if (species.parameters[0] + species.parameters[1] > 0.0) return;

@@ -73,6 +73,20 @@ ResolvedIndex Materials::remembered(const std::string& name,
 
 namespace {
 
+/// From this word on a note of a dataset is said with every result in visible light.
+constexpr std::string_view kCaveat = "not for colours";
+constexpr double kFirstVisible = 380.0, kLastVisible = 780.0;  // nm
+
+std::string caveat_of(const materials::MaterialInfo& info,
+                      const std::vector<double>& wavelength_nm) {
+    const std::size_t at = info.note.find(kCaveat);
+    const bool is_visible = std::any_of(wavelength_nm.begin(), wavelength_nm.end(), [](double nm) {
+        return nm >= kFirstVisible && nm <= kLastVisible;
+    });
+    if (at == std::string::npos || !is_visible) return "";
+    return fmt::format("{}: {}", info.name, info.note.substr(at));
+}
+
 ResolvedIndex values_of(const materials::RefractiveIndex& table, std::string source,
                         const std::vector<double>& wavelength_nm, double k_floor) {
     ResolvedIndex resolved{{}, std::move(source)};
@@ -118,6 +132,7 @@ ResolvedIndex resolve_index(const Species& species, const std::vector<double>& w
         const auto info = materials.open().info(species.name);
         ResolvedIndex resolved = values_of(table, source_line(info), wavelength_nm, k_floor);
         resolved.density_g_cm3 = info.density_g_cm3;
+        resolved.caveat = caveat_of(info, wavelength_nm);
         return resolved;
     });
     if (materials.shift && materials.shift->name == species.name) {

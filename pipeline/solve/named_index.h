@@ -19,6 +19,7 @@ struct ResolvedIndex {
     std::vector<std::complex<double>> index;
     std::string source;
     std::optional<double> density_g_cm3 = {};  ///< of a material by name, where it is known
+    std::string caveat = {};  ///< what its table is not good for at these wavelengths, or empty
 };
 
 /// A change of n + ik at all wavelengths, of a material by the name that a scene calls it.

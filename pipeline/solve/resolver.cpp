@@ -280,6 +280,7 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
         resolved.effective_radius_um = mie::effective_radius_of(resolved.sizes);
         resolved.density_g_cm3 = index.density_g_cm3;
         add_source(std::move(index.source));
+        if (!index.caveat.empty()) add_note(std::move(index.caveat));
         add_coatings(resolved, coatings(species, wavelength_nm));
         require_contrast(resolved);
         require_grains(resolved);

@@ -19,7 +19,7 @@ namespace miebrdf::program {
 namespace {
 
 struct FitArguments {
-    std::string file, scene_file, residuals_file, chart_file;
+    std::string file, scene_file, residuals_file, spectra_file, chart_file;
     int starts = 0;
     /// In place of a file: one data set, by options of the names of its keys.
     SceneArguments scene;
@@ -131,6 +131,29 @@ Table residual_table(const FitProblem& problem, const FitResult& result) {
     return table;
 }
 
+/// The unknowns that differ between wavelengths, one column for each: what `paste:FILE` reads where
+/// two of them are called mu_s_reduced and mu_a.
+Table spectra_table(const FitResult& result) {
+    Table table;
+    table.columns = {"wavelength_nm"};
+    std::map<double, std::vector<Cell>> rows;
+    for (const FittedValue& value : result.values) {
+        if (!value.wavelength_nm) continue;
+        if (table.columns.back() != value.unknown) table.columns.push_back(value.unknown);
+        rows[*value.wavelength_nm].emplace_back(cell(value.value));
+    }
+    if (rows.empty())
+        throw UsageError(
+            "--spectra needs an unknown that differs between wavelengths: \"per wavelength, START "
+            "in "
+            "LOW:HIGH\"");
+    for (auto& [nm, values] : rows) {
+        values.insert(values.begin(), nm);
+        table.rows.push_back(std::move(values));
+    }
+    return table;
+}
+
 Table fit_table(const FitProblem& problem, const FitResult& result, bool with_residuals) {
     Table table;
     auto& facts = table.facts;
@@ -214,6 +237,9 @@ int run_fit(const FitProblem& problem, const FitArguments& arguments, const Shel
     if (!arguments.residuals_file.empty())
         write_file(arguments.residuals_file,
                    [&](std::ostream& out) { write_csv(residual_table(problem, result), out); });
+    if (!arguments.spectra_file.empty())
+        write_file(arguments.spectra_file,
+                   [&](std::ostream& out) { write_csv(spectra_table(result), out); });
     if (!arguments.chart_file.empty())
         plot::save_picture(draw_fit(problem, result, {title_of(result), shell.command_line()}),
                            arguments.chart_file);
@@ -238,6 +264,11 @@ void add_fit(CLI::App& command, Shell& shell) {
     command
         .add_option("--residuals", arguments->residuals_file,
                     "also write every measured value beside the model's, as CSV")
+        ->type_name("FILE");
+    command
+        .add_option("--spectra", arguments->spectra_file,
+                    "also write the unknowns per wavelength as CSV, a column for each: a paste "
+                    "where two are called mu_s_reduced and mu_a")
         ->type_name("FILE");
     command
         .add_option("--plot", arguments->chart_file,
