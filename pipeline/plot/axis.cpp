@@ -52,10 +52,11 @@ void Axis::span(const std::vector<double>& values) {
     }
     if (lowest_ == highest_ && !(options_.lowest && options_.highest)) {
         // A constant is shown from zero, so that nobody takes it for a small change: a quarter
-        // below the top, or on zero itself.
+        // below the top, or on zero itself. Shares (albedos) end at 1.
         const double constant = lowest_;
         lowest_ = log ? constant / 2 : std::min(1.25 * constant, 0.0);
         highest_ = log ? constant * 2 : std::max(1.25 * constant, constant == 0.0 ? 1.0 : 0.0);
+        if (!log && constant <= 1.0) highest_ = std::min(highest_, 1.0);
     }
     if (!(lowest_ < highest_) || (log && !(lowest_ > 0))) {
         throw std::invalid_argument(fmt::format("axis '{}' from {} to {}; allowed: ascending{}",

@@ -59,7 +59,7 @@ std::vector<SceneWord> layer_words() {
     return {
         {.name = "base",
          .placeholder = "MEDIUM",
-         .help = "what lies at the bottom, infinitely deep: " + forms_of_media(),
+         .help = "medium at the bottom, infinitely deep: " + forms_of_media(),
          .field = "base",
          .set = set_text<medium, &Request::scene, &Scene::base>},
         {.name = "substrate",
@@ -73,7 +73,8 @@ std::vector<SceneWord> layer_words() {
          .placeholder = "MEDIUM@DEPTH",
          .help = "a layer on top of the base and of the coats before it; repeat it for more. DEPTH "
                  "is an optical depth at 550 nm that follows the extinction (0.1), at another "
-                 "wavelength (0.1[450nm]) or the same at all (0.1[grey]), a thickness (40um, 2mm: "
+                 "wavelength (0.1[450nm]) or the same at every wavelength (0.1[grey]), a thickness "
+                 "(40um, 2mm: "
                  "needs amounts), a mass (2kg/m2: needs densities) or inf, which hides everything "
                  "below",
          .kind = WordKind::repeated,

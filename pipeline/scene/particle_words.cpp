@@ -60,8 +60,7 @@ std::vector<SceneWord> particle_words() {
     return {
         {.name = "effective-radius",
          .placeholder = "UM",
-         .help =
-             "effective radius <r^3>/<r^2> in um (or 100nm), of media that do not say their own",
+         .help = "effective radius <r^3>/<r^2> in um (or 100nm), of media without radius=",
          .group = group,
          .default_text = fmt::format("{}", defaults.sizes.effective_radius_um),
          .field = "effective_radius_um",
@@ -69,14 +68,14 @@ std::vector<SceneWord> particle_words() {
          .set = set_effective_radius},
         {.name = "effective-variance",
          .placeholder = "V",
-         .help = "effective variance of the radii, of media that do not say their own",
+         .help = "effective variance of the radii, of media without variance=",
          .group = group,
          .default_text = fmt::format("{}", defaults.sizes.effective_variance),
          .field = "effective_variance",
          .set = set_size_number<&mie::SizeDistribution::effective_variance>},
         {.name = "size-distribution",
          .placeholder = "NAME",
-         .help = "law of the radii, of media that do not say their own: " + list_of_laws(),
+         .help = "law of the radii, of media without distribution=: " + list_of_laws(),
          .group = group,
          .default_text = name_of(defaults.sizes.kind),
          .field = "size_distribution",
@@ -84,7 +83,7 @@ std::vector<SceneWord> particle_words() {
                          &ParticleOptions::sizes, &mie::SizeDistribution::kind>},
         {.name = "host-index",
          .placeholder = "HOST",
-         .help = "what lies between the particles, of media that do not say it (TiO2 in PMMA): "
+         .help = "host between the particles, of media that name none (TiO2 in PMMA names one): "
                  "N, N,K or a material's name",
          .group = group,
          .default_text = "1",

@@ -30,15 +30,22 @@ constexpr double kLowestError = 1e-17, kHighestError = 10, kShortestTime = 1e-6;
 double drawn_error(double error) { return std::clamp(error, kLowestError, kHighestError); }
 double drawn_time(const Measurement& m) { return std::max(m.seconds, kShortestTime); }
 
-/// The place of a method among all of the results: its colour.
-int colour_of(const Results& results, const std::string& method) {
+/// The place of a method among those of its suite: its colour. All suites together have more
+/// methods than there are colours and dashes.
+int colour_of(const Results& results, const std::string& suite, const std::string& method) {
     std::vector<std::string> methods;
     for (const Measurement& m : results.measurements) {
+        if (m.suite != suite) continue;
         if (m.method == method) break;
         if (std::find(methods.begin(), methods.end(), m.method) == methods.end())
             methods.push_back(m.method);
     }
     return static_cast<int>(methods.size());
+}
+
+/// "coat 0.9/0.46, depth 1" needs no "coat" before it.
+std::string title_of(const std::string& suite, const std::string& test_case) {
+    return test_case.rfind(suite, 0) == 0 ? test_case : suite + ": " + test_case;
 }
 
 /// Stairs along the points that no other one beats in both error and time.
@@ -61,7 +68,8 @@ std::vector<plot::PointName> names_of(const Results& results,
     std::vector<plot::PointName> names;
     const auto front = pareto_front(points);
     const auto add = [&](const Measurement& m, const std::string& text) {
-        names.push_back({drawn_time(m), drawn_error(m.error), text, colour_of(results, m.method)});
+        names.push_back(
+            {drawn_time(m), drawn_error(m.error), text, colour_of(results, m.suite, m.method)});
     };
     for (const std::size_t i : front) {
         const std::string& setting = points[i].parameter;
@@ -175,7 +183,7 @@ std::string case_plot(const Results& results, const std::string& suite,
                       360.0};
     std::map<std::string, std::size_t> curves;
     for (const Measurement& m : drawn) {
-        const int colour = colour_of(results, m.method);
+        const int colour = colour_of(results, m.suite, m.method);
         const auto [place, is_new] = curves.try_emplace(m.method, panel.curves.size());
         if (is_new) {
             panel.curves.push_back({m.method, {}, {}, plot::Mark::line_and_points});
@@ -190,14 +198,14 @@ std::string case_plot(const Results& results, const std::string& suite,
         if (std::isnan(m.half_width)) continue;
         plot::Curve bar{"", {drawn_time(m), drawn_time(m)}, {}};
         bar.y = {std::max(least, m.error - m.half_width), drawn_error(m.error + m.half_width)};
-        bar.colour = colour_of(results, m.method);
+        bar.colour = colour_of(results, m.suite, m.method);
         panel.curves.push_back(std::move(bar));
     }
     panel.curves.push_back(front_of(drawn));
     panel.curves.back().shade = 0.0;
     panel.names = names_of(results, drawn);
     constexpr double width = 760.0;
-    return plot::draw_chart({panel}, {suite + ": " + test_case, ""}, width).svg;
+    return plot::draw_chart({panel}, {title_of(suite, test_case), ""}, width).svg;
 }
 
 std::string plot_file_name(const std::string& suite, const std::string& test_case) {
@@ -356,7 +364,7 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
         suite_before = suite;
         const std::string plot = plot_name(index++, suite);
         write_text(folder / "plots" / plot, case_plot(results, suite, name));
-        performance += fmt::format("![{} {}](plots/{})\n\n", suite, name, plot);
+        performance += fmt::format("![{}](plots/{})\n\n", title_of(suite, name), plot);
     }
     if (!rule_savings(results).empty())
         performance += fmt::format("### rules\n\n{}\n", markdown_table(rule_table(results)));

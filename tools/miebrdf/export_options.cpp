@@ -88,14 +88,14 @@ void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     auto* measured = command.add_option_group("Measured");
     measured
         ->add_option("--from", from_,
-                     "in place of a scene: measured directions (whatever `miebrdf measured` "
-                     "reads), interpolated so that light may go either way")
+                     "in place of a scene: measured directions (any file that `miebrdf measured` "
+                     "reads), interpolated to a reciprocal BRDF")
         ->type_name("FILE");
     measured->add_option("--column", column_, "of --from: one column or sample alone")
         ->type_name("NAME");
     measured
         ->add_option("--azimuth-zero", azimuth_zero_,
-                     "of --from: what azimuth 0 means there, mirror or back")
+                     "of --from: meaning of azimuth 0 in the file, mirror or back")
         ->type_name("SIDE");
     command.add_option("--component", component_, "total, subsurface or surface")
         ->capture_default_str();

@@ -46,16 +46,32 @@ struct Series {
     std::vector<double> residual_x = {}, residual = {}, measured = {};  ///< of all
 };
 
+/// Three times the usual distance of neighbours: beyond it values were left out, and no line is
+/// drawn.
+double widest_step(const std::vector<Series::At>& shown) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < shown.size(); ++i) steps.push_back(shown[i].x - shown[i - 1].x);
+    if (steps.empty()) return 0.0;
+    const auto median = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), median, steps.end());
+    return 3.0 * *median;
+}
+
 std::vector<plot::Curve> curves_of(std::vector<Series>& all) {
     std::vector<plot::Curve> curves;
     for (std::size_t i = 0; i < all.size(); ++i) {
         std::sort(all[i].shown.begin(), all[i].shown.end(),
                   [](const auto& a, const auto& b) { return a.x < b.x; });
+        const double gap = widest_step(all[i].shown);
         plot::Curve measured, model;
         measured.label = all[i].label;
         measured.mark = plot::Mark::points;
         measured.colour = model.colour = int(i);
         for (const Series::At& at : all[i].shown) {
+            if (!model.x.empty() && at.x - model.x.back() > gap) {
+                model.x.push_back(at.x);
+                model.y.push_back(std::numeric_limits<double>::quiet_NaN());
+            }
             measured.x.push_back(at.x);
             measured.y.push_back(at.measured);
             model.x.push_back(at.x);

@@ -277,8 +277,8 @@ void add_fit(CLI::App& command, Shell& shell) {
     command
         .add_option(
             "--starts", arguments->starts,
-            "search from N starts within the bounds; 0: as the file says, else 6 of analytic "
-            "media, 1 where spheres change")
+            "search from N starts within the bounds; 0: the number in the file, else 6, or 1 "
+            "where an unknown changes spheres")
         ->type_name("N")
         ->check(CLI::Range(0, 1000));
     arguments->scene.add_to(command, shell, words_of_fits(), "");

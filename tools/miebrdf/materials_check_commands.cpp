@@ -200,8 +200,8 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
     shell.on_run(*command, [diff, &shell] { return run_diff(*diff, shell); });
 
     auto verified = std::make_shared<std::pair<DatabaseArgument, std::string>>();
-    command =
-        materials.add_subcommand("verify", "checksums, constraints and physics of what is stored");
+    command = materials.add_subcommand(
+        "verify", "check checksums, constraints and physics of the stored data");
     command->add_option("name", verified->second, "one dataset; default: everything");
     verified->first.add_to(*command);
     shell.add_common_options(*command);

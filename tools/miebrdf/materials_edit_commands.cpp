@@ -216,7 +216,8 @@ void add_materials_edit_commands(CLI::App& materials, Shell& shell) {
     command = add_edit(materials, shell, "remove", "remove a material or dataset of the user's",
                        gone, run_remove);
     command->add_option("name", gone->name, "NAME or NAME/DATASET")->required();
-    command->add_flag("--dry-run", gone->dry_run, "list what would be removed, and remove nothing");
+    command->add_flag("--dry-run", gone->dry_run,
+                      "list the datasets that would be removed, and remove nothing");
     command->footer("Example:\n  miebrdf materials remove GaP/SOPRA-GAP");
 }
 

@@ -83,7 +83,7 @@ plot::Picture draw_directions(const Measurements& list, const plot::Caption& cap
 
 void MeasuredArguments::add_to(CLI::App& command) {
     command_ = &command;
-    auto* group = command.add_option_group("What the file does not say");
+    auto* group = command.add_option_group("Facts that the file lacks");
     std::string names;
     for (const MeasuredFormat& format : measured_formats())
         names += (names.empty() ? "" : ", ") + std::string(format.name);
@@ -92,7 +92,7 @@ void MeasuredArguments::add_to(CLI::App& command) {
     group->add_option("--column", options_.column, "one column or sample alone")->type_name("NAME");
     group
         ->add_option("--quantity", options_.quantity,
-                     "what the values are, in place of what the file says: plane_albedo, "
+                     "quantity of the values, overrides the file: plane_albedo, "
                      "spherical_albedo, hemispherical, plane_transmittance, "
                      "spherical_transmittance, brdf, reflectance_factor, hdrf, d8-sci, d8-sce, "
                      "45-0, reflectance, transmittance")
@@ -100,19 +100,19 @@ void MeasuredArguments::add_to(CLI::App& command) {
     auto* percent = group->add_flag("--percent", percent_, "the values are percent");
     group->add_flag("--shares", shares_, "the values are shares of 1, whatever the file says")
         ->excludes(percent);
-    group->add_option("--wavelength", wavelength_nm_, "nm, of values that have none")
+    group->add_option("--wavelength", wavelength_nm_, "wavelength in nm, of values without one")
         ->type_name("NM");
-    mu_in_.add_to(*group, "cosine of incidence, of values that have none");
-    mu_out_.add_to(*group, "cosine of reflection, of values that have none");
+    mu_in_.add_to(*group, "cosine of incidence, of values without one");
+    mu_out_.add_to(*group, "cosine of reflection, of values without one");
     group
         ->add_option("--azimuth", azimuth_deg_,
-                     "degrees, 0 = mirror side, of values that have none")
+                     "azimuth in degrees, 0 = mirror side, of values without one")
         ->type_name("DEG");
     group
         ->add_option("--azimuth-zero", options_.azimuth_zero,
-                     "what azimuth 0 means in the file: mirror, or back (towards the source)")
+                     "meaning of azimuth 0 in the file: mirror, or back (towards the source)")
         ->type_name("SIDE");
-    group->add_option("--sigma", sigma_, "standard error of values that have none")
+    group->add_option("--sigma", sigma_, "standard error of values without one")
         ->type_name("NUMBER");
     group->add_option("--relative-sigma", relative_sigma_, "the same, relative to the value")
         ->type_name("NUMBER");

@@ -77,9 +77,9 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
     group
         ->add_option(
             "--clamp", a.options.clamp,
-            "largest radiance, mean over the wavelengths, that one path may bring of light "
-            "reflected twice and more; 0: no limit. Takes away bright specks of rare "
-            "paths, and says how much light")
+            "limit of the radiance (mean over the wavelengths) that one path adds by light "
+            "reflected twice and more; 0: no limit. Removes bright specks of rare paths, and "
+            "prints the share of light removed")
         ->capture_default_str();
     group->add_option("--seed", a.options.seed, "seed of the random samples")
         ->capture_default_str();

@@ -226,8 +226,8 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
         ->required();
     command.add_flag(
         "--plan", arguments.plan,
-        "tell number of scenes, which of them cannot be computed, time, memory and file "
-        "size; compute nothing");
+        "print the number of scenes, the scenes that cannot be computed, time, memory and "
+        "file size; compute nothing");
     command
         .add_option("--sample-seconds", arguments.sample_s,
                     "of --plan: look at no more scenes than take about this processor time")
@@ -238,7 +238,8 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
         .add_option("--part", arguments.part,
                     "compute share I of N (every N-th chunk) and write no table")
         ->type_name("I/N");
-    command.add_flag("--merge", arguments.merge, "write the table from parts that are all there");
+    command.add_flag("--merge", arguments.merge,
+                     "write the table from its parts, all of which must be finished");
     command
         .add_option("--sbatch", arguments.sbatch_parts,
                     "print a script for Slurm: a job array of N parts, and how to merge them")
