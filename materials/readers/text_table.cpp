@@ -43,6 +43,14 @@ std::vector<std::string> split_names(std::string_view line) {
     return names;
 }
 
+/// What spreadsheets write in place of a number, which is no comment.
+bool is_spreadsheet_error(std::string_view text) {
+    static constexpr std::string_view kErrors[] = {"#N/A",  "#NA",    "#VALUE!", "#DIV/0!",
+                                                   "#NUM!", "#NULL!", "#REF!",   "#NAME?"};
+    return std::any_of(std::begin(kErrors), std::end(kErrors),
+                       [&](std::string_view error) { return text.starts_with(error); });
+}
+
 bool says_percent(std::string_view name) {
     const std::string text = lower_case(name);
     return text.find('%') != std::string::npos || text.find("percent") != std::string::npos;
@@ -145,8 +153,8 @@ std::vector<std::string> split_numbers(std::string_view line) {
 
 std::optional<SpectralName> spectral_name(std::string_view name) {
     static constexpr std::string_view kQuantities[] = {
-        "wavelength", "lambda",     "wl",        "\xce\xbb", "energy",
-        "photon",     "wavenumber", "frequency", "wvl", "wave", "wavel"};
+        "wavelength", "lambda",    "wl",  "\xce\xbb", "energy", "photon",
+        "wavenumber", "frequency", "wvl", "wave",     "wavel"};
     std::string text = lower_case(name);
     if (const auto unit = parse_unit(text)) return SpectralName{unit};
     for (const std::string_view quantity : kQuantities) {
@@ -182,7 +190,9 @@ bool TextTable::next() {
             rest_.substr(end).starts_with("\r\n") ? end + 2 : std::min(end + 1, rest_.size()));
         ++line_;
         // Behind numbers a comment may follow; in a line of names "#1" is part of a name.
-        const std::size_t mark = content.find(comment_);
+        std::size_t mark = content.find(comment_);
+        while (mark != std::string::npos && is_spreadsheet_error(content.substr(mark)))
+            mark = content.find(comment_, mark + 1);
         if (mark == 0 || (mark != std::string::npos && begins_number(content))) {
             const std::string_view remark = without_blanks(content.substr(mark + 1));
             if (!remark.empty()) comments_.emplace_back(remark);

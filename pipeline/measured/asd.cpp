@@ -19,6 +19,8 @@ constexpr std::size_t kDataType = 186, kFirstWavelength = 191, kStep = 195, kNum
 /// Between the two spectra: a flag, two times, and a text with its length before it.
 constexpr std::size_t kBeforeText = 18;
 constexpr int kMostChannels = 100000;
+/// Bytes that do not belong together give numbers of any exponent.
+constexpr double kLeastValue = 1e-25;
 
 enum DataType { kRaw = 0, kReflectance = 1, kTransmittance = 6 };
 
@@ -57,6 +59,13 @@ std::vector<double> spectrum_of(const MeasuredFile& file, std::string_view& byte
         values.push_back(format == 2   ? number_at<double>(part, 8 * i)
                          : format == 0 ? double(number_at<float>(part, 4 * i))
                                        : double(number_at<std::int32_t>(part, 4 * i)));
+        const double size_of_value = std::abs(values.back());
+        if (size_of_value > 0.0 && size_of_value < kLeastValue) {
+            refuse(file, 0,
+                   fmt::format("channel {} is {:g}, which no instrument writes: bytes are lost, or "
+                               "there are too many",
+                               i + 1, values.back()));
+        }
     }
     return values;
 }

@@ -430,9 +430,15 @@ std::optional<std::string> sigma_of(std::string_view name) {
         "sigma", "std", "stdev",       "std_dev",        "stddev", "standard_deviation",
         "sd",    "se",  "uncertainty", "standard_error", "error",  "unc",
         "err",   "sem"};
-    const std::string bare = bare_name(name);
+    const std::string bare = bare_name(name), whole = materials::lower_case(name);
     for (const std::string_view word : kWords) {
         if (bare == word) return std::string();
+        // "log(1/R)_std": brackets that are part of the name.
+        for (const char before : {'_', ' '}) {
+            const std::string after = before + std::string(word);
+            if (whole.ends_with(after))
+                return bare_name(name.substr(0, name.size() - after.size()));
+        }
         const std::string end = "_" + std::string(word), start = std::string(word) + "_";
         if (bare.ends_with(end)) return bare.substr(0, bare.size() - end.size());
         if (bare.starts_with(start)) return bare.substr(start.size());

@@ -276,6 +276,24 @@ struct Doubtful {
 };
 
 void doubt_values(Measurements& list) {
+    // "(%)" above shares is the most frequent slip of tables.
+    constexpr double kPercentOfShares = 0.0101;
+    double largest = 0.0;
+    const MeasuredValue* share = nullptr;
+    for (const MeasuredValue& value : list.values) {
+        if (!is_share(value.quantity)) continue;
+        if (share == nullptr) share = &value;
+        largest = std::max(largest, value.value);
+    }
+    const bool in_percent = std::any_of(list.facts.begin(), list.facts.end(), [](const auto& fact) {
+        return fact.first == "unit" && fact.second.starts_with("percent (");
+    });
+    if (in_percent && share != nullptr && largest > 0.0 && largest <= kPercentOfShares) {
+        list.doubts.push_back(
+            fmt::format("{}: no value is above {:.4g} %: if these are shares of 1, say that they "
+                        "are no percent",
+                        place(list, *share), 100.0 * largest));
+    }
     Doubtful above, below, nowhere;
     for (const MeasuredValue& value : list.values) {
         const bool flux = value.quantity == MeasuredQuantity::reflectance ||

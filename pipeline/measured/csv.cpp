@@ -187,6 +187,10 @@ class LongTable {
                                    column.name));
             }
             column.kind = MeasuredKind{};
+            if (!roles_[column.index].kind && !said_unknown_++)
+                list_.facts.emplace_back(
+                    "columns",
+                    "'" + column.name + "' names no quantity: taken as reflectance of a sample");
         }
     }
 
@@ -462,6 +466,7 @@ class LongTable {
     std::map<std::string, int> named_so_;  ///< columns of each name
     std::vector<ValueColumn> columns_;
     std::vector<materials::Unit> units_;  ///< of each column
+    int said_unknown_ = 0;                ///< columns whose names say no quantity
     Measurements list_;
     std::map<std::string, std::size_t> samples_;
     std::vector<RawDirection> raw_;
@@ -499,7 +504,8 @@ bool looks_like_table(const MeasuredFile& file) {
         return false;
     if (!sheet_names(file).empty()) return true;
     try {
-        return is_nameless(read_sheet(file));
+        const Sheet sheet = read_sheet(file);
+        return !sheet.names.empty() || is_nameless(sheet);
     } catch (const materials::ImportError&) {
         return false;
     }

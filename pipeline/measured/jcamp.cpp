@@ -316,6 +316,11 @@ void read_pairs(const MeasuredFile& file, const JcampBlock& block, std::vector<d
             (i % 2 == 0 ? x : y).push_back(i % 2 == 0 ? *value * factor : *value);
         }
     }
+    const double points = jcamp_number(file, block, "NPOINTS", double(y.size()));
+    if (points != double(y.size())) {
+        refuse(file, block.line,
+               fmt::format("{} values; ##NPOINTS= says {}: the file is cut off", y.size(), points));
+    }
 }
 
 void add_block(const MeasuredFile& file, const JcampBlock& block, const MeasuredOptions& options,

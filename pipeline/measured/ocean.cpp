@@ -4,6 +4,7 @@
 // nowhere.
 #include <fmt/format.h>
 
+#include "materials/index/units.h"
 #include "materials/readers/text.h"
 #include "materials/readers/text_table.h"
 #include "pipeline/measured/columns.h"
@@ -26,6 +27,7 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
     Measurements list;
     std::optional<ValueMeaning> said;
     std::string title;
+    std::optional<double> pixels;
     bool in_data = false;
     double factor = 1.0;
     std::vector<double> nm, values;
@@ -41,6 +43,10 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
                 title = materials::as_utf8(content);
                 said = value_meaning(content);
             }
+            constexpr std::string_view kPixels = "Number of Pixels in Spectrum:";
+            if (content.starts_with(kPixels))
+                pixels = materials::parse_number(
+                    materials::without_blanks(content.substr(kPixels.size())));
             in_data = is_begin(content);
             if (!in_data) continue;
             if (options.quantity.empty() && !said) {
@@ -69,6 +75,10 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
         lines.push_back(line);
     }
     if (nm.empty()) refuse(file, 0, "no values below its line 'Begin Spectral Data'");
+    if (pixels && *pixels != double(nm.size())) {
+        list.doubts.push_back(fmt::format("{}: {} values; its header says {}: it may be cut off",
+                                          file.path, nm.size(), *pixels));
+    }
     const MeasuredQuantity quantity = said ? said->kind.quantity : MeasuredQuantity::reflectance;
     add_spectrum(list, title, {quantity, MeasuredGeometry::unknown}, MeasuredValue::kNone, nm,
                  values, lines);

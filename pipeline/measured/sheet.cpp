@@ -54,7 +54,11 @@ bool names_columns(const std::vector<std::string>& fields) {
         axis = axis || column.is_axis();
         wavelengths = wavelengths || column.role == Role::wavelength;
     }
-    return axis && std::none_of(fields.begin(), fields.end(), says_something_of) &&
+    // "Instrument: Lambda 1050", where blanks separate.
+    const bool has_key = std::any_of(fields.begin(), fields.end(), [&](const std::string& field) {
+        return field.ends_with(':') && &field != &fields.back();
+    });
+    return axis && !has_key && std::none_of(fields.begin(), fields.end(), says_something_of) &&
            (wavelengths || std::none_of(fields.begin(), fields.end(), is_number));
 }
 
@@ -85,6 +89,35 @@ bool find_names(TextTable& table, Sheet& sheet, bool& has_blank_name) {
         sheet.above = std::move(fields);
     }
     return false;
+}
+
+/// JASCO's texts name both columns by "XUNITS" and "YUNITS" above a line "XYDATA", to which the
+/// table goes.
+bool find_named_units(TextTable& table, Sheet& sheet) {
+    std::string x, y;
+    while (table.next() && !is_number(table.fields()[0])) {
+        const std::vector<std::string>& fields = table.fields();
+        if (fields[0] == "XYDATA" && fields.size() == 1 && !x.empty() && !y.empty()) {
+            sheet.names = {x, y};
+            return true;
+        }
+        const std::string text = fmt::format("{}", fmt::join(fields, " "));
+        if (fields.size() > 1 && fields[0] == "XUNITS") x = text.substr(7);
+        if (fields.size() > 1 && fields[0] == "YUNITS") y = text.substr(7);
+        sheet.remarks.push_back(text);
+    }
+    sheet.remarks.clear();
+    return false;
+}
+
+/// A line above numbers without names that is about the measurement: "% Date: ...", "SZA,45", a
+/// title. Two words may name columns, of which nothing is known.
+bool is_remark(const TextTable& table) {
+    const std::vector<std::string>& fields = table.fields();
+    if (is_number(fields[0])) return false;
+    return table.content().find_first_of("%!/*;") == 0 || fields.size() == 1 ||
+           std::any_of(fields.begin(), fields.end(), says_something_of) ||
+           std::any_of(fields.begin(), fields.end(), is_number);
 }
 
 /// The units of all columns, in a line below their names: "[nm];[counts]", "nm,%".
@@ -224,7 +257,10 @@ Sheet read_sheet(const MeasuredFile& file) {
     TextTable table(file.content, file.path);
     Sheet sheet;
     bool has_blank_name = false;
-    if (find_names(table, sheet, has_blank_name)) {
+    if (find_named_units(table, sheet)) {
+        sheet.names_line = table.line();
+    } else if (table = TextTable(file.content, file.path);
+               find_names(table, sheet, has_blank_name)) {
         sheet.names = table.fields();
         // Spreadsheets end lines with separators.
         while (sheet.names.back().empty()) sheet.names.pop_back();
@@ -240,6 +276,10 @@ Sheet read_sheet(const MeasuredFile& file) {
     std::size_t cells = 0;
     while (table.next()) {
         std::vector<std::string> fields = table.fields();
+        if (sheet.names.empty() && sheet.rows.empty() && is_remark(table)) {
+            sheet.remarks.push_back(fmt::format("{}", fmt::join(fields, " ")));
+            continue;
+        }
         const std::size_t expected = !sheet.names.empty()  ? sheet.names.size()
                                      : !sheet.rows.empty() ? sheet.rows.front().cells.size()
                                                            : fields.size();
