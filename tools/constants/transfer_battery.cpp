@@ -3,6 +3,7 @@
 //
 //     transfer_battery TRUTH [PART...]
 //
+// MIEBRDF_SEED in the environment: other random stacks than those of seed 0.
 // PART: media, coats, smooth, rough, spheres; rare-media, rare-coats, rare-smooth, rare-spheres:
 // peaks up to g = .995, thin and deep and dark layers, steps of the index, grazing directions;
 // rare-glories: spheres near retro-reflection; rare-values: single values of such media; hidden:
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -322,7 +324,8 @@ int main(int count, char** arguments) {
         return 2;
     }
     constants::print_header();
-    unsigned seed = 1;
+    const char* const text = std::getenv("MIEBRDF_SEED");
+    unsigned seed = 1 + 1000 * unsigned(text != nullptr ? std::atoi(text) : 0);
     for (const Part& part : all_parts()) {
         const unsigned own_seed = seed++;
         if (!constants::is_wanted(part.name, count, arguments)) continue;
