@@ -64,7 +64,7 @@ TEST_CASE("samples may be called as sources and places are", "[measured][meaning
     CHECK(list.values[0].quantity == MeasuredQuantity::reflectance);
 }
 
-TEST_CASE("noise beyond any share is left out and counted; percent is refused",
+TEST_CASE("noise beyond any share is left out and counted, percent is refused",
           "[measured][meaning]") {
     std::string text = "wavelength_nm,reflectance\n";
     for (int nm = 400; nm < 600; ++nm) text += std::to_string(nm) + ",0.4\n";

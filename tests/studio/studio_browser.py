@@ -257,12 +257,12 @@ browser.wait("document.querySelectorAll('#objects .card').length === 1", "one sc
 
 # Measured points, and a fit of them.
 TRUE_RADIUS = 0.16
-made = table("albedo", "--base", f"TiO2,radius={TRUE_RADIUS} in index:1.5", "--wavelengths", "420:680:20", "--mu-in", "0.8660254")
+made = table("albedo", "--base", f"Fe2O3,radius={TRUE_RADIUS} in index:1.5", "--wavelengths", "420:680:20", "--mu-in", "0.8660254")
 points = "wavelength_nm,plane_albedo\n" + "".join(f"{r['wavelength_nm']},{r['plane_albedo']}\n" for r in made)
 browser.run("""(() => { const dt = new DataTransfer(); dt.items.add(new File([%s], 'sample.csv'));
     document.dispatchEvent(new DragEvent('drop', { dataTransfer: dt, bubbles: true, cancelable: true })); })()""" % json.dumps(points))
 browser.wait("document.getElementById('studio-measured').textContent.includes('sample.csv')", "a file is dropped in")
-browser.run("Studio.begin({ base: ['TiO2,radius=0.2 in index:1.5'] })")
+browser.run("Studio.begin({ base: ['Fe2O3,radius=0.2 in index:1.5'] })")
 browser.wait("document.getElementById('studio-status').textContent.startsWith('solved')", "the scene of the fit")
 browser.run("document.getElementById('albedo-charts').scrollIntoView()")
 browser.wait(f"document.querySelectorAll('#albedo-charts .plot .mark').length === {len(made)}", "its points are drawn")
@@ -288,15 +288,15 @@ solved(browser, "the first scene again", lambda: browser.run("Studio.begin({ bas
 yaw = browser.run("(() => { App.view.lampYaw = 20; return App.view.lampYaw; })()")
 solved(browser, "a change after the lamp is moved", lambda: browser.type("[data-layer='0'] .control:nth-of-type(1) input.number", "0.04"))
 check(browser.run("App.view.lampYaw") == yaw, "camera and lamp stay")
-model = browser.run("JSON.stringify(Studio.model)")
+model = browser.run("Studio.model")
 time.sleep(0.3)
 browser.open(studio.address)
-check(browser.run("JSON.stringify(Studio.model)") == model, "a page that is loaded anew has the scene")
+check(browser.run("Studio.model") == model, "a page that is loaded anew has the scene")
 check(browser.run("App.view.lampYaw") == yaw, "and the lamp")
 studio.end(signal.SIGKILL)
 studio = Studio(PROGRAM, studio.state)
 browser.open(studio.address)
-check(browser.run("JSON.stringify(Studio.model)") == model, "so has a studio that was killed and started again")
+check(browser.run("Studio.model") == model, "so has a studio that was killed and started again")
 
 for width, height, scheme in [(1280, 900, "light"), (1280, 900, "dark"), (390, 844, "light")]:
     browser.size(width, height, scheme)

@@ -104,7 +104,7 @@ check(status == 200 and any(m["name"] == "Au" for m in said["materials"]), "gold
 check(studio.post("/api/save", {"words": SCENE, "view": {"a": 1}})[0] == 200, "the scene is saved")
 
 # Measured files and fits.
-made = subprocess.run([PROGRAM, "albedo", "--base", "TiO2,radius=0.15 in index:1.5", "--wavelengths", "450:650:25", "--mu-in", "0.9"],
+made = subprocess.run([PROGRAM, "albedo", "--base", "Fe2O3,radius=0.15 in index:1.5", "--wavelengths", "450:650:25", "--mu-in", "0.9"],
                       capture_output=True, text=True, check=True).stdout
 rows = [line.split(",")[:3] for line in made.splitlines() if line[0].isdigit()]
 dropped = {"name": "../../etc/sample.csv", "content": base64.b64encode(("wavelength_nm,plane_albedo\n" + "".join(f"{w},{a}\n" for w, _, a in rows)).encode()).decode(),
@@ -113,7 +113,7 @@ status, said = studio.post("/api/measured", dropped)
 check(status == 200 and len(said["values"]) == len(rows) and said["values"][0]["value"] == float(rows[0][2]), "a measured file is read")
 status, said = studio.post("/api/measured", {"name": "x.csv", "content": base64.b64encode(b"wavelength_nm,plane_albedo\n500,oops\n").decode()})
 check(status == 422 and "x.csv" in said["error"] and "/a/b/c" not in said["error"], f"a damaged one is refused: {said.get('error', '')[:100]}")
-fit = {"words": {"base": ["TiO2,radius={u1} in index:1.5"]}, "unknowns": {"u1": "0.2 in 0.05:0.5 log"}, "file": dropped}
+fit = {"words": {"base": ["Fe2O3,radius={u1} in index:1.5"]}, "unknowns": {"u1": "0.2 in 0.05:0.5 log"}, "file": dropped}
 status, said = studio.post("/api/fit", fit)
 if "libceres-dev" in said.get("error", ""):
     print("        (no fit in this build)")
@@ -159,10 +159,11 @@ for number in range(FUZZED):
 check(not bad, f"{FUZZED} requests of anything are answered {bad[:3]}")
 check(studio.post("/api/solve", {"words": SCENE})[0] == 200, "and a scene is still solved")
 
+studio.post("/api/save", {"words": SCENE, "view": {"a": 1}})
 check(studio.end() == 0, "Ctrl-C ends the studio, exit code 0")
 left = Studio(PROGRAM, studio.state)
 _, said = left.post("/api/state", {})
-check(said["words"] == said["words"] and "base" in said["words"], "the scene that was left is there again")
+check(said["words"] == SCENE and said["view"] == {"a": 1}, "the scene that was left is there again")
 left.end()
 broken = pathlib.Path(studio.state) / "miebrdf" / "studio.toml"
 broken.write_text("base = [[[")

@@ -168,10 +168,16 @@ class Studio {
                 is_same(asked->second, token_));
     }
 
-    static HttpReply refused(int status, const std::string& error, const std::string& field = "") {
-        return {status, "application/json", json{{"error", error}, {"field", field}}.dump()};
+    /// Messages hold what a person wrote, in any encoding.
+    static std::string text_of_json(const json& body) {
+        return body.dump(-1, ' ', false, json::error_handler_t::replace);
     }
-    static HttpReply reply(const json& body) { return {200, "application/json", body.dump()}; }
+    static HttpReply refused(int status, const std::string& error, const std::string& field = "") {
+        return {status, "application/json", text_of_json(json{{"error", error}, {"field", field}})};
+    }
+    static HttpReply reply(const json& body) {
+        return {200, "application/json", text_of_json(body)};
+    }
 
     HttpReply page() const {
         return {200, "text/html; charset=utf-8", report::make_studio_page(token_)};

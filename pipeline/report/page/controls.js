@@ -12,6 +12,7 @@ const Controls = (() => {
     const input = label.querySelector('input'), output = label.querySelector('output');
     const { min, max, step } = options;
     Object.assign(input, { min, max, step, id: `c-${options.key}` });
+    input.setAttribute('aria-label', options.label);
     if (options.title) label.title = options.title;
     const show = () => {
       input.value = view[options.key];
