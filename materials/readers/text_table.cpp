@@ -47,8 +47,11 @@ std::vector<std::string> split_names(std::string_view line) {
 bool is_spreadsheet_error(std::string_view text) {
     static constexpr std::string_view kErrors[] = {"#N/A",  "#NA",    "#VALUE!", "#DIV/0!",
                                                    "#NUM!", "#NULL!", "#REF!",   "#NAME?"};
-    return std::any_of(std::begin(kErrors), std::end(kErrors),
-                       [&](std::string_view error) { return text.starts_with(error); });
+    return std::any_of(std::begin(kErrors), std::end(kErrors), [&](std::string_view error) {
+        return text.starts_with(error) &&
+               (text.size() == error.size() ||
+                std::string_view(",; \t\"").find(text[error.size()]) != std::string_view::npos);
+    });
 }
 
 bool says_percent(std::string_view name) {

@@ -36,7 +36,9 @@ bool is_lab(MeasuredQuantity quantity) { return quantity >= MeasuredQuantity::la
 
 /// Texts of files reach terminals: control characters become blanks.
 void make_printable(Measurements& list) {
-    const auto clean = [](std::string& text) { text = materials::printable(text); };
+    const auto clean = [](std::string& text) {
+        text = materials::printable(materials::as_utf8(text));
+    };
     for (std::string& name : list.samples) clean(name);
     for (std::string& doubt : list.doubts) clean(doubt);
     for (auto& [name, text] : list.facts) {

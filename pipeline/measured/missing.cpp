@@ -3,7 +3,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "materials/index/units.h"
 #include "materials/readers/text.h"
 #include "materials/readers/text_table.h"
 #include "pipeline/measured/reader.h"
@@ -38,7 +37,7 @@ bool is_fill(double number) {
 bool says_missing(std::string_view field) {
     const std::string word = materials::lower_case(field);
     if (std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords)) return true;
-    const auto number = materials::parse_number(word);
+    const auto number = materials::table_number(word);
     return number && is_fill(*number);
 }
 

@@ -53,6 +53,10 @@ TEST_CASE("wavenumbers, pairs, percent and absorbance are understood", "[measure
     CHECK(values_of(list) == Doubles{0.25, 0.5});
     CHECK(list.values[0].quantity == MeasuredQuantity::transmittance);
 
+    std::string cut = pairs;
+    cut.insert(cut.find("##XYPOINTS"), "##NPOINTS=3\n");
+    CHECK_THROWS_WITH(read_text(cut), Catch::Contains("cut off"));
+
     const Measurements dark =
         read_text(jcamp_file("400 100 200 100 100\n408 100 0 100\n", "(X++(Y..Y))", "ABSORBANCE"));
     CHECK(dark.values[1].value == Approx(0.01).epsilon(1e-14));

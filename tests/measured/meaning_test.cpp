@@ -85,7 +85,6 @@ TEST_CASE("what stands for no value is left out and said once", "[measured][mean
         read_text("wavelength_nm,reflectance\n350,0.18\n351," + word + "\n352,0.2\n");
     CHECK(values_of(list) == Doubles{0.18, 0.2});
     CHECK_THAT(list.doubts.at(0), Catch::Contains("file.csv:3: no number; left out"));
-    if (word == "#N/A") return;  // behind numbers a comment
     const std::string separator = GENERATE("\t", ",", " ");
     const Measurements bare = read_text("350" + separator + "0.18\n351" + separator + word +
                                         "\n352" + separator + "0.2\n");
@@ -131,6 +130,31 @@ TEST_CASE("lines about the measurement above and below a table are no rows",
     const Measurements list = read_text(text);
     CHECK(wavelengths_of(list) == Doubles{400, 500});
     CHECK(values_of(list) == Doubles{0.4, 0.5});
+}
+
+TEST_CASE("remarks of any mark stand above bare numbers, and JASCO names units above XYDATA",
+          "[measured][meaning]") {
+    const Measurements bare = read_text(
+        "% Date: 2021-03-04\nSZA,45\n// Instrument: Lambda 1050\n400,0.4\n410,0.5\n420,0.6\n");
+    CHECK(wavelengths_of(bare) == Doubles{400, 410, 420});
+    CHECK_THROWS_WITH(read_text("time,signal\n1,0.4\n2,0.9\n3,0.5\n"),
+                      Catch::Contains("no measurements recognised"));
+    const Measurements jasco = read_text(
+        "TITLE\ts\nORIGIN\tJASCO\nXUNITS\tNANOMETERS\nYUNITS\t%T\nXYDATA\n400\t40\n410\t50\n\n"
+        "[Comments]\n");
+    CHECK(values_of(jasco) == Doubles{0.4, 0.5});
+    CHECK(jasco.values[0].quantity == MeasuredQuantity::transmittance);
+}
+
+TEST_CASE("names that say no quantity, and percent that is none, are said", "[measured][meaning]") {
+    CHECK_THAT(fact_of(read_text("nm;Dose\n400;0.1\n410;0.2\n"), "columns"),
+               Catch::Contains("'Dose' names no quantity"));
+    CHECK_THAT(read_text("nm;R (%)\n400;0.4\n410;0.9\n").doubts.at(0),
+               Catch::Contains("no value is above 0.9 %"));
+    // The standard error of absorbance 1: R ln 10 times that of A.
+    const Measurements list = read_text("nm;log(1/R);log(1/R)_std\n400;1;0.01\n410;1;0.02\n");
+    REQUIRE(list.values.size() == 2);
+    CHECK(list.values[0].sigma == Approx(0.1 * 0.01 * std::log(10.0)).epsilon(1e-12));
 }
 
 TEST_CASE("samples of one name stay apart, and what is written is read", "[measured][meaning]") {
