@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "materials/readers/text.h"
 #include "pipeline/measured/azimuth.h"
@@ -107,6 +108,8 @@ class LongTable {
             for (const auto& [c, quantity] : {std::pair(l, lab_l), {a, lab_a}, {b, lab_b}}) {
                 roles_[c->second] = {Role::value, {}, MeasuredKind{quantity, {}}};
             }
+        } else if (b != at.end()) {
+            roles_[a->second] = {.role = Role::other};  // samples a, b, ...
         } else if (at.count("r") + at.count("t") + at.count("reflectance") +
                        at.count("transmittance") >
                    0) {
@@ -318,14 +321,10 @@ class LongTable {
     }
 
     void drop_repeated_facts() {
-        std::vector<std::pair<std::string, std::string>> kept;
-        for (const auto& fact : list_.facts) {
-            const auto same = [&](const auto& other) {
-                return other.first == fact.first && fact.first == "unit";
-            };
-            if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(fact);
-        }
-        list_.facts = std::move(kept);
+        bool said = false;
+        std::erase_if(list_.facts, [&](const auto& fact) {
+            return fact.first == "unit" && std::exchange(said, true);
+        });
     }
 
     double angle(const SheetRow& row, Role role) const {

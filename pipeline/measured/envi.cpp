@@ -47,9 +47,10 @@ fs::path data_of(const std::string& header) {
 }
 
 bool looks_like_envi(const MeasuredFile& file) {
-    return is_header(file.content) ||
-           (file.content.substr(0, 4096).find('\0') != std::string_view::npos &&
-            !header_of(file.path).empty());
+    const std::string ending = materials::lower_case(fs::path(file.path).extension().string());
+    const bool is_binary = ending == ".sli" || ending == ".esl" ||
+                           file.content.substr(0, 4096).find('\0') != std::string_view::npos;
+    return is_header(file.content) || (is_binary && !header_of(file.path).empty());
 }
 
 /// "key = value", with values in braces over several lines.

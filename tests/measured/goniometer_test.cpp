@@ -125,7 +125,7 @@ TEST_CASE("radians and a BRDF times the cosine are converted", "[measured][gonio
 TEST_CASE("lists of directions that say too little or too much are refused",
           "[measured][goniometer][errors]") {
     CHECK_THROWS_WITH(read_text("theta_i,theta_r,phi,nm,signal\n30,40,0,500,0.3\n"),
-                      Catch::Contains("brdf (1/sr) or reflectance_factor"));
+                      Catch::Contains("numbers of a detector"));
     CHECK_THROWS_WITH(read_text("theta_i,theta_r,nm,brdf\n30,95,500,0.3\n"),
                       Catch::Contains("file.csv:2: theta_out 95"));
     CHECK_THROWS_WITH(read_text("theta_i,theta_r,nm,brdf\n30,,500,0.3\n"),

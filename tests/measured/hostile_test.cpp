@@ -148,7 +148,7 @@ TEST_CASE("lambert: takes what is measured", "[measured][meaning]") {
     const Substrate ground = substrate("lambert:" + own);
     CHECK(ground.wavelength_nm == std::vector<double>{400, 500});
     CHECK(ground.albedo == std::vector<double>{0.4, 0.5});
-    const std::string two = folder.write("two.csv", "nm,a,b\n400,0.1,0.2\n");
+    const std::string two = folder.write("two.csv", "nm,left,right\n400,0.1,0.2\n");
     CHECK_THROWS_WITH(substrate("lambert:" + two), Catch::Contains("which column"));
 }
 

@@ -10,6 +10,7 @@ void show_ensemble() {
     request.host_index = 1.5;
     request.highest_moment = 8;
     request.with_phase_table = true;
+    require_average(request);  // what it refuses it refuses at once
     const EnsembleOptics rutile = average_over_sizes(request, run_in_order);
     const PhaseTable& phase = *rutile.phase_table;
     std::cout << "g " << rutile.asymmetry << ", " << rutile.chi.size() << " moments, P(0) "
@@ -21,6 +22,7 @@ void show_ensemble() {
     const PhaseValues aside = phase_at_angles(request, rutile.q_sca);
     std::cout << "P(90) = " << aside.phase[0] << " +- " << aside.error[0] << '\n';
 
+    require_matrix(request);
     std::cout << "the scattering matrix will take " << matrix_seconds(request) << " s\n";
     const MatrixOptics polarised = average_matrix(request);
     std::cout << polarised.expansion.a2.size() << " coefficients of a2\n";
