@@ -200,10 +200,10 @@ std::vector<double> wavelengths_at(const Sweep& sweep, const std::vector<std::si
 }
 
 std::string describe_wavelengths(const Sweep& sweep, const std::vector<std::size_t>& places) {
-    constexpr std::size_t kListed = 5;
+    constexpr std::size_t kNamed = 5;
     std::vector<double> some = wavelengths_at(sweep, places);
-    some.resize(std::min(some.size(), kListed));
-    return places.size() > kListed
+    some.resize(std::min(some.size(), kNamed));
+    return places.size() > kNamed
                ? fmt::format("{}, ... nm ({} wavelengths)", fmt::join(some, ", "), places.size())
                : fmt::format("{} nm", fmt::join(some, ", "));
 }
