@@ -83,23 +83,19 @@ bool is_same(const std::string& a, const std::string& b) {
     return different == 0;
 }
 
-struct Finished {
-    int code = 0;
-    std::string out, error;
-};
-
 /// This program with other words, in a folder of its own: what it cannot do harms no server.
-Finished run_aside(std::vector<std::string> words, const fs::path& folder,
-                   const std::function<bool()>& is_cancelled) {
+/// @return  what it says on standard error
+std::string run_aside(std::vector<std::string> words, const fs::path& folder,
+                      const std::function<bool()>& is_cancelled) {
     words.insert(words.begin(), "miebrdf");
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    const std::string out = folder / "stdout", error = folder / "stderr";
+    const std::string error = folder / "stderr";
     posix_spawn_file_actions_t files;
     ::posix_spawn_file_actions_init(&files);
     ::posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-    ::posix_spawn_file_actions_addopen(&files, 1, out.c_str(), O_WRONLY | O_CREAT, 0600);
+    ::posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
     ::posix_spawn_file_actions_addopen(&files, 2, error.c_str(), O_WRONLY | O_CREAT, 0600);
     pid_t child = 0;
     const int failed =
@@ -112,7 +108,7 @@ Finished run_aside(std::vector<std::string> words, const fs::path& folder,
         if (is_cancelled() || Clock::now() > end) ::kill(child, SIGKILL);
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128, read_file(out), read_file(error)};
+    return read_file(error);
 }
 
 class Studio {
@@ -205,20 +201,9 @@ class Studio {
     HttpReply get_state(const json& /*asked*/) {
         const std::lock_guard lock(mutex_);
         const json view = json::parse(view_, nullptr, false);
-        json words = json::array();
-        for (const SceneWord& word : scene_words()) {
-            if (word.name == "database") continue;
-            words.push_back({{"name", word.name},
-                             {"help", word.help},
-                             {"group", word.group},
-                             {"placeholder", word.placeholder},
-                             {"default", word.default_text},
-                             {"flag", word.kind == WordKind::flag}});
-        }
         return reply({{"words", words_},
                       {"view", view.is_discarded() ? json() : view},
-                      {"formats", format_names()},
-                      {"known", words}});
+                      {"formats", format_names()}});
     }
 
     /// A scene file after each change: a page that is closed loses nothing.
@@ -267,9 +252,13 @@ class Studio {
             request.solver.tolerance = std::max(request.solver.tolerance, kPreviewTolerance);
             request.solver.stokes = 1;
         }
-        const Control control = control_of(asked);
-        const std::lock_guard one(solving_);
-        if (control.is_cancelled()) throw Cancelled();
+        return in_turn(asked, [&](const Control& control) {
+            return solved_page(said, request, is_preview, control);
+        });
+    }
+
+    HttpReply solved_page(const SaidWords& said, const Request& request, bool is_preview,
+                          const Control& control) const {
         const auto start = Clock::now();
         std::vector<std::string> command = arguments_of(said);
         command.insert(command.begin(), "report");
@@ -290,16 +279,19 @@ class Studio {
 
     HttpReply fit(const json& asked) {
         const SaidWords said = words_from_page(asked.at("words"));
-        const Control control = control_of(asked);
-        const std::lock_guard one(solving_);
-        if (control.is_cancelled()) throw Cancelled();
-        return reply(fit_for_page(said, asked, control));
+        return in_turn(asked, [&](const Control& control) {
+            return reply(fit_for_page(said, asked, control));
+        });
     }
 
-    /// Ends what it controls when a later request of the same tab comes, or after two minutes.
-    Control control_of(const json& asked) {
+    /// One at a time, which ends when a later request of the same tab comes, or after two minutes.
+    /// @throws Cancelled   for the first
+    /// @throws InputError  for the second
+    template <typename Does>
+    HttpReply in_turn(const json& asked, Does does) {
         const std::string tab = asked.value("tab", std::string()).substr(0, 40);
         const int number = newest(tab);
+        const std::lock_guard one(solving_);
         const auto end = Clock::now() + kMostSolving;
         Control control = shell_.control();
         control.progress = {};
@@ -309,7 +301,16 @@ class Studio {
         control.is_cancelled = [=, this, is_stopped = control.is_cancelled] {
             return is_stopped() || is_stale(tab, number) || Clock::now() > end;
         };
-        return control;
+        if (control.is_cancelled()) throw Cancelled();
+        try {
+            return does(control);
+        } catch (const Cancelled&) {
+            if (Clock::now() <= end) throw;
+            throw InputError(
+                fmt::format("not solved within {} s; fewer wavelengths or a larger tolerance take "
+                            "less, `miebrdf run` takes as long as it needs",
+                            kMostSolving.count()));
+        }
     }
 
     static std::vector<std::string> format_names() {
@@ -346,16 +347,15 @@ class Studio {
         for (const std::string& word : arguments_of(said)) words.push_back(word);
         words.insert(words.end(), {"-o", folder.path() / name, "--quiet"});
         const std::lock_guard one(solving_);
-        const Finished done = run_aside(words, folder.path(),
-                                        [stop = shell_.control().is_cancelled] { return stop(); });
+        const std::string said_why = run_aside(
+            words, folder.path(), [stop = shell_.control().is_cancelled] { return stop(); });
         std::vector<fs::path> written;
         for (const auto& entry : fs::directory_iterator(folder.path())) {
-            const std::string file = entry.path().filename();
-            if (file != "stdout" && file != "stderr") written.push_back(entry.path());
+            if (entry.path().filename() != "stderr") written.push_back(entry.path());
         }
         if (written.empty()) {
-            throw InputError(done.error.empty() ? fmt::format("{} took too long", kind)
-                                                : done.error.substr(0, 2000));
+            throw InputError(said_why.empty() ? fmt::format("{} took too long", kind)
+                                              : said_why.substr(0, 2000));
         }
         std::sort(written.begin(), written.end());
         // Formats that write one file for spectra and one for colours: the spectra.

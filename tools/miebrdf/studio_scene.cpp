@@ -1,10 +1,12 @@
 #include "tools/miebrdf/studio_scene.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <regex>
+#include <set>
 
 #include <miebrdf/error.h>
 
@@ -54,6 +56,12 @@ WordValue value_from(const std::string& name, const json& value) {
 
 /// As TOML and Python write texts: JSON's escapes are among theirs.
 std::string quoted(const WordValue& value) { return json(text_of(value)).dump(); }
+
+std::string quoted_list(const std::vector<WordValue>& values) {
+    std::vector<std::string> texts;
+    for (const WordValue& value : values) texts.push_back(quoted(value));
+    return fmt::format("[{}]", fmt::join(texts, ", "));
+}
 
 }  // namespace
 
@@ -123,10 +131,7 @@ std::string scene_file_of(const SaidWords& said, const std::string& page) {
         if (kind == WordKind::flag) {
             text += name + " = true\n";
         } else if (kind == WordKind::repeated) {
-            text += name + " = [";
-            for (std::size_t k = 0; k < values.size(); ++k)
-                text += (k > 0 ? ", " : "") + quoted(values[k]);
-            text += "]\n";
+            text += name + " = " + quoted_list(values) + "\n";
         } else {
             text += name + " = " + quoted(values.front()) + "\n";
         }
@@ -148,46 +153,45 @@ std::string python_of(const SaidWords& said) {
         {"effective-radius", "effective_radius_um"},
         {"host-index", "host"},
         {"layer-density", "layer_density_kg_m3"}};
-    static const std::vector<std::string> kNumbers = {"roughness",          "effective-radius",
-                                                      "effective-variance", "k-floor",
-                                                      "mie-tolerance",      "layer-density"};
-    static const std::vector<std::string> kOfSolve = {"tolerance", "stokes", "streams"};
-    const auto is_among = [](const std::vector<std::string>& list, const std::string& name) {
-        return std::find(list.begin(), list.end(), name) != list.end();
-    };
-    std::string scene, solve, wavelengths = "\"400:700:20\"", other;
+    // Words that the classes take as texts; all others as numbers.
+    static const std::set<std::string> kTexts = {
+        "base",          "substrate",   "boundary", "coupling",  "size-distribution",
+        "interpolation", "extrapolate", "packing",  "host-index"};
+    static const std::set<std::string> kOfSolve = {"tolerance", "stokes", "streams"};
+    std::string scene, solve, left_out;
     for (const auto& [name, values] : said) {
-        if (values.empty()) continue;
+        if (values.empty() || name == "wavelengths") continue;
         const SceneWord& word = *find_scene_word(name);
-        if (name == "wavelengths") {
-            wavelengths = quoted(values.front());
+        const std::string text = text_of(values.front());
+        std::string value;
+        if (word.kind == WordKind::flag) {
+            value = "True";
+        } else if (word.kind == WordKind::repeated) {
+            value = quoted_list(values);
+        } else if (kTexts.count(name) > 0) {
+            value = quoted(values.front());
+        } else if (text.find_first_not_of("+-.0123456789eE") == std::string::npos) {
+            value = text;
+        }
+        const bool of_solve = kOfSolve.count(name) > 0;
+        if (of_solve && text == "auto") continue;
+        if (value.empty() || (word.group == "Method" && !of_solve)) {
+            left_out += fmt::format("# not written here: --{} {}\n", name, text);
             continue;
         }
-        std::string key = name;
-        if (const auto found = kNames.find(name); found != kNames.end()) key = found->second;
+        const auto found = kNames.find(name);
+        std::string key = found == kNames.end() ? name : found->second;
         std::replace(key.begin(), key.end(), '-', '_');
-        std::string value = quoted(values.front());
-        if (word.kind == WordKind::flag) value = "True";
-        if (is_among(kNumbers, name) || (is_among(kOfSolve, name) && value != "\"auto\""))
-            value = text_of(values.front());
-        if (word.kind == WordKind::repeated) {
-            value = "[";
-            for (std::size_t k = 0; k < values.size(); ++k)
-                value += (k > 0 ? ", " : "") + quoted(values[k]);
-            value += "]";
-        }
-        if (is_among(kOfSolve, name))
+        if (of_solve)
             solve += fmt::format(", {}={}", key, value);
-        else if (word.group == "Method")
-            other += fmt::format("# --{} {}\n", name, value);
         else
             scene += fmt::format("{}{}={}", scene.empty() ? "" : ",\n                      ", key,
                                  value);
     }
     return fmt::format(
-        "import miebrdf\n\n{}scene = miebrdf.Scene({})\nsolved = scene.solve({}{})\n"
+        "import miebrdf\n\n{}scene = miebrdf.Scene({})\nsolved = scene.solve([{}]{})\n"
         "print(solved.albedo(theta_in_deg=45))\n",
-        other, scene, wavelengths, solve);
+        left_out, scene, fmt::join(request_of_page(said).wavelength_nm, ", "), solve);
 }
 
 }  // namespace miebrdf::program
