@@ -142,11 +142,6 @@ Table spectra_table(const FitResult& result) {
         if (table.columns.back() != value.unknown) table.columns.push_back(value.unknown);
         rows[*value.wavelength_nm].emplace_back(cell(value.value));
     }
-    if (rows.empty())
-        throw UsageError(
-            "--spectra needs an unknown that differs between wavelengths: \"per wavelength, START "
-            "in "
-            "LOW:HIGH\"");
     for (auto& [nm, values] : rows) {
         values.insert(values.begin(), nm);
         table.rows.push_back(std::move(values));
@@ -231,6 +226,12 @@ std::string title_of(const FitResult& result) {
 }
 
 int run_fit(const FitProblem& problem, const FitArguments& arguments, const Shell& shell) {
+    if (!arguments.spectra_file.empty() &&
+        std::none_of(problem.unknowns.begin(), problem.unknowns.end(),
+                     [](const Unknown& unknown) { return unknown.per_wavelength; }))
+        throw UsageError(
+            "--spectra needs an unknown that differs between wavelengths: \"per wavelength, START "
+            "in LOW:HIGH\"");
     const FitResult result = fit(problem, shell.control());
     if (!arguments.scene_file.empty())
         write_file(arguments.scene_file, [&](std::ostream& out) { out << result.scene_file; });

@@ -26,6 +26,7 @@
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/result_facts.h"
 #include "tools/miebrdf/run_command.h"
+#include "tools/miebrdf/scratch_folder.h"
 #include "tools/miebrdf/studio_measured.h"
 #include "tools/miebrdf/studio_scene.h"
 #include "tools/miebrdf/studio_server.h"

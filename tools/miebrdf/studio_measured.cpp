@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <set>
 #include <system_error>
 
 #include <miebrdf/error.h>
+#include "tools/miebrdf/scratch_folder.h"
 
 namespace miebrdf::program {
 namespace {
@@ -111,18 +113,6 @@ std::vector<MeasuredValue> fitted_values(const Measurements& list, const json& a
 }
 
 }  // namespace
-
-ScratchFolder::ScratchFolder() : path_(fs::temp_directory_path() / "miebrdf-studio-XXXXXX") {
-    std::string pattern = path_.string();
-    if (::mkdtemp(pattern.data()) == nullptr)
-        throw InputError("no folder can be made in " + path_.parent_path().string());
-    path_ = pattern;
-}
-
-ScratchFolder::~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-}
 
 json measured_for_page(const json& asked) {
     const Measurements list = read_dropped(asked);

@@ -1,26 +1,12 @@
 // Measured files that are dropped onto the studio's page, and fits to them.
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include <miebrdf/control.h>
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
-
-/// A folder for the time of a request.
-class ScratchFolder {
-  public:
-    ScratchFolder();  ///< @throws InputError  when none can be made
-    ~ScratchFolder();
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
-};
 
 /// What the readers of `miebrdf measured` find in `content` (base64), a file called `name`; perhaps
 /// with `quantity` and `theta_in_deg` of what it does not say: `samples`, `doubts`, and `values` of
