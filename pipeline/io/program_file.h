@@ -4,6 +4,7 @@
 
 #include <sys/auxv.h>
 
+#include <bit>
 #include <filesystem>
 
 namespace miebrdf {
@@ -15,7 +16,7 @@ inline std::filesystem::path program_file() {
     std::error_code unknown;
     fs::path file = fs::read_symlink("/proc/self/exe", unknown);
     if (!file.empty()) return file;
-    const auto* started = reinterpret_cast<const char*>(::getauxval(AT_EXECFN));
+    const auto* started = std::bit_cast<const char*>(::getauxval(AT_EXECFN));
     return started == nullptr ? fs::path() : fs::canonical(started, unknown);
 }
 

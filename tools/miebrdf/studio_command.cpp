@@ -90,6 +90,7 @@ std::string run_aside(std::vector<std::string> words, const fs::path& folder,
                       const std::function<bool()>& is_cancelled) {
     words.insert(words.begin(), "miebrdf");
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const std::string error = folder / "stderr";
