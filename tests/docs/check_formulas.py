@@ -39,7 +39,10 @@ def problems_of(page):
             paragraph, start = f"{paragraph} {text}", start or number
         else:
             for part, where in ((paragraph, start), (text, number)):
-                for formula in FORMULA.findall(part):
+                for match in FORMULA.finditer(part):
+                    formula = match.group(1)
+                    if re.match(r"[A-Za-z0-9]", part[match.start() - 1:]) and match.start() > 0:
+                        yield where, f"a letter or digit before it keeps the formula from being set: ${formula}$"
                     for rule, why in (*RULES, (re.compile(r"\\\\|^\s|\s$"), "no line breaks or blanks at the ends")):
                         if rule.search(formula):
                             yield where, f"{why}: ${formula}$"

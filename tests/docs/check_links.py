@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Relative links and anchors of every page lead somewhere.
+"""Relative links and anchors of every page lead somewhere, and every picture has a text in its place.
 
 Links to other servers are not followed: what they say today is not a property of this project.
 """
@@ -12,6 +12,8 @@ import pages
 LINK = re.compile(r"\]\(\s*<?([^)\s>]+)>?[^)]*\)")
 SOURCE = re.compile(r"""(?:src|href)=["']([^"']+)["']""")
 CODE = re.compile(r"`[^`]*`")
+# A picture without words: no text between the brackets, no alt, or the name of the file alone.
+WORDLESS = re.compile(r"""!\[\s*(?:[\w.-]+\.(?:png|svg))?\s*\]\(|<img\b(?![^>]*\balt="[^"]*\w)""")
 
 
 def anchor_of(heading):
@@ -74,6 +76,9 @@ def main():
             problem = problem_of(page, target)
             if problem:
                 problems.append(f"{page.relative_to(pages.ROOT)}:{number}: {target}: {problem}")
+        for number, line, fence in pages.lines_of(page):
+            if fence is None and WORDLESS.search(line):
+                problems.append(f"{page.relative_to(pages.ROOT)}:{number}: a picture without an alternative text")
     print("\n".join(problems))
     print(f"{count} links, {len(problems)} broken")
     if count < 100:
