@@ -64,6 +64,38 @@ def layers(rng):
     return Case([*asked(rng), *ground(rng), "--coat", text], value)
 
 
+def grounds(rng):
+    text, value = one_number(rng, rng.choice(
+        [f"lambert:<{rng.uniform(.1, .9):.3f}>",
+         f"mirror:index:<{rng.uniform(.2, 2):.3f}>,<{rng.uniform(2, 6):.3f}>"]))
+    boundary = ["--boundary", "smooth"] if rng.random() < .5 else []
+    host = " in index:1.5" if boundary else ""
+    return Case([*asked(rng), "--substrate", text, "--coat",
+                 f"{hg(rng)}{host}@{10 ** rng.uniform(-1.5, .5):.4f}", *boundary], value)
+
+
+def lobes(rng):
+    return Case([*asked(rng), "--base", hg(rng), "--surface-index", f"{rng.uniform(1.3, 2.5):.3f}",
+                 "--roughness", "{a}"], round(rng.uniform(.1, .5), 3))
+
+
+def laboratory(rng):
+    text, value = one_number(
+        rng, f"turbid:<{10 ** rng.uniform(-3, 0):.4f}>,<{10 ** rng.uniform(-.5, 1):.3f}>,"
+             f"<{rng.uniform(.3, .9):.3f}>")
+    return Case([*asked(rng), *ground(rng), "--coat", f"{text}@{rng.uniform(.1, 3):.3f}mm"], value)
+
+
+def mixtures(rng):
+    text, value = one_number(
+        rng, f"index:2.7,1e-4,radius=.13,variance=.2,volume=<{rng.uniform(1, 15):.2f}>% + "
+             f"index:1.6,{10 ** rng.uniform(-4, -2):.5f},radius=<{rng.uniform(.1, 1.5):.3f}>,"
+             f"variance=.1,volume=<{rng.uniform(.5, 10):.2f}>% in index:1.5"
+             f"@<{rng.uniform(5, 40):.1f}>um")
+    return Case([*asked(rng), "--substrate", rng.choice(["black", "lambert:.5", "none"]),
+                 "--boundary", "smooth", "--coat", text], value)
+
+
 def hosts_apart(rng):
     n = rng.uniform(1.2, 1.45)
     text, value = one_number(rng, f"{hg(rng)} in index:<{n + rng.uniform(.1, .4):.4f}>@1")
@@ -149,6 +181,9 @@ def polarised(rng):
 
 KINDS = {
     "layers of analytic media: albedo, g, depth": layers,
+    "grounds: albedo, n and k of a mirror": grounds,
+    "roughness of an opaque lobe": lobes,
+    "turbid media: absorption, scattering, g": laboratory,
     "index of a host": hosts_apart,
     "index of a host close to another (1e-5 to .03, or the same)": hosts_close,
     "index of a host close to air (1e-5 to .03)": close_to_air,
@@ -158,6 +193,7 @@ KINDS = {
     "log-normal": spheres("log-normal"),
     "power law": spheres("power-law"),
     "films of rutile: amounts, thickness, n, k, sizes; half of them crowded": films,
+    "mixtures of two: amounts, a radius, thickness": mixtures,
     "thickness of a coating, or none yet": coatings,
     "large grains": large,
     "polarised light": polarised,
