@@ -157,7 +157,7 @@ def test_words_are_refused_with_what_is_allowed():
     for arguments, text in [
         ({"base": "hg:2,0"}, r"2"),
         ({"base": "TiO2", "coats": ["TiO2"]}, "depth"),
-        ({"base": "TiO2", "packing": "loose"}, "independent, percus_yevick"),
+        ({"base": "TiO2", "packing": "loose"}, "independent, percus-yevick"),
         ({"base": "TiO2", "effective_radius_um": -1.0}, "effective_radius_um.*-1"),
         ({"base": "TiO2", "roughness": 9.0}, "9"),
         ({}, "either base or substrate"),

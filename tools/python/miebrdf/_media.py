@@ -20,7 +20,8 @@ def choice(kind: Any, name: str, value: str) -> Any:
     """The member of an enumeration of the module by its name; '-' is as good as '_'."""
     member = kind.__members__.get(str(value).replace("-", "_"))
     if member is None:
-        raise UsageError(f"{name}: unknown '{value}'; allowed: {', '.join(kind.__members__)}")
+        allowed = ", ".join(kind.__members__).replace("_", "-")
+        raise UsageError(f"{name}: unknown '{value}'; allowed: {allowed}")
     return member
 
 
