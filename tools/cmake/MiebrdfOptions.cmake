@@ -84,8 +84,10 @@ if(MIEBRDF_COVERAGE)
 endif()
 # With AVX-512, gcc 12 warns of its own intrinsics' deliberately uninitialised registers in every
 # file that uses Eigen, and at -O3 of array bounds inside std::string; dev finds the real ones.
-set(MIEBRDF_NOISE_OF_WIDE_VECTORS -Wno-maybe-uninitialized -Wno-uninitialized -Wno-restrict
-                                  -Wno-array-bounds)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set(MIEBRDF_NOISE_OF_WIDE_VECTORS -Wno-maybe-uninitialized -Wno-uninitialized -Wno-restrict
+                                      -Wno-array-bounds)
+endif()
 if(MIEBRDF_NATIVE)
     target_compile_options(miebrdf_flags INTERFACE -march=native ${MIEBRDF_NOISE_OF_WIDE_VECTORS})
 endif()

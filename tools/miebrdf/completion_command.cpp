@@ -318,8 +318,8 @@ void add_completion(CLI::App& command, Shell& shell) {
     shell.on_prepare(command, [name, &shell]() -> Job {
         for (const auto& [known, script] : shells) {
             if (*name == known) {
-                return [script = script, &shell]() -> int {
-                    shell.write_text(script());
+                return [write = script, &shell]() -> int {
+                    shell.write_text(write());
                     return kGood;
                 };
             }
