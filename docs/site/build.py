@@ -316,6 +316,7 @@ def dead_links(site: Path) -> list[str]:
             if re.match(r"[a-z]+:", link) or link.startswith("//"):
                 continue
             path, _, anchor = link.partition("#")
+            path = path.partition("?")[0]  # styles and scripts have the version of their content
             target = (file.parent / urllib.parse.unquote(path)).resolve() if path else file
             name = f"{file.relative_to(site)}: {link}"
             if not target.exists():

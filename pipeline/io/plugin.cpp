@@ -5,6 +5,7 @@
 #include <link.h>
 
 #include <algorithm>
+#include <bit>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -41,7 +42,7 @@ std::vector<fs::path> folders_of_run_path() {
     if (own.empty()) return {};
     const std::string_view origin = "$ORIGIN";
     std::vector<fs::path> folders;
-    std::string_view rest = reinterpret_cast<const char*>(names + run_path);
+    std::string_view rest = std::bit_cast<const char*>(names + run_path);
     while (!rest.empty()) {
         const std::string_view folder = rest.substr(0, rest.find(':'));
         rest.remove_prefix(std::min(folder.size() + 1, rest.size()));

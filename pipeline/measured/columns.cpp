@@ -349,7 +349,7 @@ std::optional<ValueMeaning> value_meaning(std::string_view given) {
     if (bare == "t" && name.find_first_of("CK") != std::string::npos)
         return ValueMeaning{{}, Conversion::none, "a temperature"};  // "T (K)"
     if (const auto kind = kind_of(bare)) return ValueMeaning{*kind};
-    if (const auto meaning = converted_meaning(name, words)) return meaning;
+    if (auto meaning = converted_meaning(name, words)) return meaning;
     const bool is_factor = has_word(words, "radiance factor") || has_word(words, "reflectance fac");
     for (const auto& [word, what] : kRefused) {
         if (!is_factor && has_word(words, word))

@@ -155,11 +155,11 @@ class CxfReader {
         if (words == "Custom") {
             words = s.type;
             for (const pugi::xml_attribute& attribute : node.attributes()) {
-                if (const auto meaning = value_meaning(attribute.value())) return meaning;
+                if (auto meaning = value_meaning(attribute.value())) return meaning;
             }
         }
         std::replace(words.begin(), words.end(), '_', ' ');
-        const auto meaning = value_meaning(words);
+        auto meaning = value_meaning(words);
         if (meaning && (meaning->refused.empty() || !options_.quantity.empty())) return meaning;
         list_.doubts.push_back(
             fmt::format("{}:{}: {} '{}' is not read: {}", file_.path, line_at(node.offset_debug()),

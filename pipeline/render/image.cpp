@@ -82,6 +82,7 @@ void write_exr(const Image& image, const std::vector<std::string>& channel_names
             fmt::format("{} channel names for {} channels", channel_names.size(), image.channels));
     }
     std::vector<ExrPlane<const float>> planes;
+    planes.reserve(channel_names.size());
     for (int c = 0; c < image.channels; ++c)
         planes.push_back(plane_of(channel_names[std::size_t(c)], image, image.values.data(), c));
     AtomicFile target(path);

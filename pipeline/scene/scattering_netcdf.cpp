@@ -271,6 +271,7 @@ void read_mopsmap(const Variables& file, Species& species) {
         table.albedo.push_back(std::min(1.0, qsca.at(i) / table.extinction[i]));
     const auto a1 = file.read("a1");
     std::vector<std::vector<double>> lists;
+    lists.reserve(std::size(kMatrixLists));
     for (const auto& [name, list] : kMatrixLists) lists.push_back(file.read(name));
     std::size_t first = 0;
     for (std::size_t i = 0; i < table.radius_um.size(); ++i) {

@@ -174,6 +174,7 @@ void read_paste(const std::string& name, Species& species) {
         const auto found = all.find(name);
         if (found == all.end()) {
             std::vector<std::string> names;
+            names.reserve(all.size());
             for (const auto& [known, table] : all) names.push_back(known);
             throw InputError(fmt::format(
                 "paste '{}' is not one of the embedded set; allowed: {}; a file has a suffix or a "

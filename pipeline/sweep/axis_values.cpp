@@ -191,6 +191,7 @@ std::vector<Axis> read_columns(const std::string& file, const std::vector<std::s
                                          fmt::join(names, ", ")));
         }
         std::vector<std::string> texts;
+        texts.reserve(rows.size());
         for (const auto& row : rows) texts.push_back(row[std::size_t(found - names.begin())]);
         axes.push_back(axis_of_texts(wanted, texts));
     }

@@ -1,5 +1,7 @@
 #include "pipeline/sweep/layout.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "pipeline/sweep/axis_values.h"
@@ -23,7 +25,8 @@ class LayoutBuilder {
         add(name, long_name, unit, axes);
         for (const std::string& parameter : sweep.derivatives) {
             const Axis* axis = sweep.find_axis(parameter);
-            add(derivative_name(name, parameter), "derivative of " + name + " by " + parameter,
+            add(derivative_name(name, parameter),
+                fmt::format("derivative of {} by {}", name, parameter),
                 quotient_of_units(unit, axis != nullptr ? axis->unit : unit_in(parameter)), axes);
         }
     }

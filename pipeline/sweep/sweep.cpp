@@ -195,6 +195,7 @@ void use_wavelengths(const std::vector<std::size_t>& places,
 
 std::vector<double> wavelengths_at(const Sweep& sweep, const std::vector<std::size_t>& places) {
     std::vector<double> wavelength_nm;
+    wavelength_nm.reserve(places.size());
     for (const std::size_t place : places) wavelength_nm.push_back(sweep.wavelength.numbers[place]);
     return wavelength_nm;
 }

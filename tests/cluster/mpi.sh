@@ -38,7 +38,7 @@ table=table.csv
 "${launch[@]}" "$program" sweep sweep.toml -o "four-$table" 2>&1 | tee log
 cmp "one-$table" "four-$table"
 [ ! -e "four-$table.parts" ] || { echo "parts are left"; exit 1; }
-computed=$(sed -n 's/.*; \([0-9]*\) scenes computed/\1/p' log | paste -sd+ | bc)
+computed=$(awk '/scenes computed/ { sum += $(NF - 2) } END { print sum }' log)
 # The first process may compute again what others have in flight at the end: a chunk of two each.
 [ "$computed" -ge 324 ] && [ "$computed" -le 330 ] || { echo "$computed of 324 computed"; exit 1; }
 cat >rank.sh <<'END'

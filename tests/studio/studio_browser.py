@@ -46,7 +46,8 @@ class Browser:
         os.close(to_read)
         os.close(from_write)
         self.buffer, self.number, self.session, self.problems = b"", 0, None, []
-        target = self.send("Target.getTargets")["targetInfos"][0]["targetId"]
+        pages = [t for t in self.send("Target.getTargets")["targetInfos"] if t["type"] == "page"]
+        target = pages[0]["targetId"]
         self.session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Accessibility"):
             self.send(f"{domain}.enable")

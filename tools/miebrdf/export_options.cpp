@@ -64,7 +64,8 @@ std::string resolutions() {
         }
     }
     std::vector<std::string> lines;
-    for (const auto& [text, names] : groups) lines.push_back(names + ": " + text);
+    lines.reserve(groups.size());
+    for (const auto& [text, names] : groups) lines.push_back(fmt::format("{}: {}", names, text));
     return fmt::format("{}", fmt::join(lines, "; "));
 }
 

@@ -71,6 +71,7 @@ std::string preloaded(const ProcessorPath& path) {
     const std::string file = arithmetic_file().filename();
     const std::string suffix = file.substr(std::min(file.size(), std::strlen(kArithmetic[0])));
     std::vector<std::string> files;
+    files.reserve(std::size(kArithmetic));
     for (const char* library : kArithmetic)
         files.push_back((fs::path(path.folder) / library).string() + suffix);
     return fmt::format("{}", fmt::join(files, ":"));

@@ -59,6 +59,7 @@ std::string quoted(const WordValue& value) { return json(text_of(value)).dump();
 
 std::string quoted_list(const std::vector<WordValue>& values) {
     std::vector<std::string> texts;
+    texts.reserve(values.size());
     for (const WordValue& value : values) texts.push_back(quoted(value));
     return fmt::format("[{}]", fmt::join(texts, ", "));
 }
