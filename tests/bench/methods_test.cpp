@@ -92,7 +92,7 @@ TEST_CASE("textbook solvers reproduce coated half-spaces", "[bench][discrete]") 
                                               table.number(row, "coat_g"), tau));
         }
         stack.push_back(henyey_greenstein(0.95, 0.7, kEndless));
-        const auto R = bench::sum_orders(stack, 16, {0.35}, {0.8}, {120}, solver(doubling));
+        const auto R = bench::sum_orders(stack, 16, {{0.35}, {0.8}, {120}}, solver(doubling));
         const double truth = table.number(row, "R");
         CAPTURE(doubling, row, tau, R[0], truth);
         // 16 Gauss nodes and 32 moments of g = 0.7: 0.7^32 = 1e-5 is what delta-M removed.

@@ -10,16 +10,15 @@ using namespace miebrdf;
 
 namespace {
 
-using Suite = void (*)(const stress::Options&, std::vector<stress::Check>&);
-
 // Every check of a suite must hold; the ones that do not are shown with their cause.
-void require_all(Suite suite, std::size_t at_least) {
+void require_all(stress::SuiteFunction* suite, std::size_t at_least) {
     std::vector<stress::Check> checks;
-    suite({.fast = true}, checks);
+    stress::Log log("suite", checks);
+    suite(log, true);
     CHECK(checks.size() >= at_least);
     for (const auto& c : checks) {
         if (c.ok()) continue;
-        CAPTURE(c.suite, c.test_case, c.quantity, c.value, c.bound, c.cause);
+        CAPTURE(c.test_case, c.quantity, c.value, c.bound, c.cause);
         CHECK(c.value <= c.bound);
     }
 }
@@ -42,13 +41,13 @@ TEST_CASE("stress: promises", "[stress]") { require_all(stress::promises, 24); }
 TEST_CASE("the battery notices what is broken", "[stress]") {
     std::vector<stress::Check> checks;
     stress::Log log("test", checks);
-    log.at_most("nan", "q", std::nan(""), 1, "");
-    log.at_most("large", "q", 2, 1, "");
+    log.run("nan", [](const stress::Case& is) { is.at_most("q", std::nan(""), 1, ""); });
+    log.run("large", [](const stress::Case& is) { is.at_most("q", 2, 1, ""); });
     log.refused("accepted", [] {});
-    log.run("threw", [] { throw std::runtime_error("no"); });
+    log.run("threw", [](const stress::Case&) { throw std::runtime_error("no"); });
     REQUIRE(checks.size() == 4);
     for (const auto& c : checks) CHECK_FALSE(c.ok());
-    log.at_most("small", "q", 1, 1, "");
+    log.run("small", [](const stress::Case& is) { is.at_most("q", 1, 1, ""); });
     log.refused("refused", [] { throw std::invalid_argument("no"); });
     CHECK(checks[4].ok());
     CHECK(checks[5].ok());

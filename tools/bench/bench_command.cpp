@@ -1,11 +1,12 @@
 // miebrdf bench: error against run time, as a table, a page and plots.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <functional>
+#include <sstream>
 
 #include <miebrdf/error.h>
-#include "pipeline/io/atomic_file.h"
 #include "pipeline/scene/number_list.h"
 #include "tools/bench/peers.h"
 #include "tools/bench/report.h"
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchArguments {
-    std::string suites = "mie,half-space,coat,boundary,stokes,surface,pipeline,rules";
+    std::string suites;
     std::string compare_with;
     std::string read;
     std::string docs;
@@ -29,27 +30,44 @@ struct BenchArguments {
     double patience = 60.0;
 };
 
-void write_file(const fs::path& path, const std::function<void(std::ostream&)>& write) {
-    AtomicFile file(path);
-    write(file.stream());
-    file.commit();
+/// The names of all suites.
+std::string suite_names(const char* separator) {
+    std::vector<std::string> names;
+    names.reserve(std::size(bench::kSuites));
+    for (const bench::Suite& suite : bench::kSuites) names.emplace_back(suite.name);
+    return fmt::format("{}", fmt::join(names, separator));
+}
+
+std::vector<bench::BenchCase> cases_of_suites(const std::string& list) {
+    std::vector<bench::BenchCase> cases;
+    for (const std::string& name : split_list(list)) {
+        const auto* suite = std::find_if(std::begin(bench::kSuites), std::end(bench::kSuites),
+                                         [&](const bench::Suite& s) { return s.name == name; });
+        if (suite == std::end(bench::kSuites)) {
+            throw UsageError(
+                fmt::format("unknown suite '{}'; allowed: {}", name, suite_names(", ")));
+        }
+        for (auto& c : suite->cases()) cases.push_back(std::move(c));
+    }
+    return cases;
 }
 
 bench::Results measured(const BenchArguments& arguments, const Shell& shell) {
     if (!arguments.read.empty()) return bench::read_results(arguments.read);
-    std::vector<bench::BenchCase> cases;
-    for (const std::string& name : split_list(arguments.suites)) {
-        for (auto& c : bench::suite(name)) cases.push_back(std::move(c));
+    std::vector<bench::BenchCase> cases =
+        cases_of_suites(arguments.suites.empty() ? suite_names(",") : arguments.suites);
+    const auto note = [&](const std::string& line) { shell.note(line); };
+    for (const std::string& words : arguments.peers)
+        bench::add_peer(bench::parse_peer(words), arguments.patience, note, cases);
+    bench::Results results{bench::machine_facts(), {}};
+    for (const bench::BenchCase& c : cases) {
+        shell.note(c.suite + ": " + c.name);
+        results.facts.emplace_back("case " + c.suite + "/" + c.name,
+                                   c.quantity + " Truth: " + c.truth);
+        for (auto& m :
+             bench::measure(c, {.repeats = arguments.repeats, .longest_total = arguments.longest}))
+            results.measurements.push_back(std::move(m));
     }
-    for (const std::string& words : arguments.peers) {
-        bench::add_peer(
-            bench::parse_peer(words), arguments.patience,
-            [&](const std::string& line) { shell.note(line); }, cases);
-    }
-    const bench::MeasureOptions options{.repeats = arguments.repeats,
-                                        .longest_total = arguments.longest};
-    auto results =
-        bench::run_cases(cases, options, [&](const std::string& name) { shell.note(name); });
     results.facts.emplace_back("command", shell.command_line());
     return results;
 }
@@ -58,20 +76,19 @@ void write_folder(const fs::path& folder, const bench::Results& results,
                   const std::vector<bench::Change>& changes) {
     std::error_code error;
     fs::create_directories(folder, error);
-    write_file(folder / "results.csv",
-               [&](std::ostream& out) { bench::write_results(results, out); });
-    write_file(folder / "index.html",
-               [&](std::ostream& out) { out << bench::report_page(results, changes); });
+    const auto write = [&](const std::string& name, const std::string& text) {
+        bench::write_text(folder / name, text);
+    };
+    std::ostringstream table, comparison;
+    bench::write_results(results, table);
+    write("results.csv", table.str());
+    write("index.html", bench::report_page(results, changes));
     for (const auto& [suite, name] : bench::cases_of(results)) {
         if (bench::is_about_rules(suite)) continue;  // a table, no curve
-        const std::string plot = bench::case_plot(results, suite, name);
-        write_file(folder / bench::plot_file_name(suite, name),
-                   [&](std::ostream& out) { out << plot; });
+        write(bench::plot_file_name(suite, name), bench::case_plot(results, suite, name));
     }
-    if (!changes.empty()) {
-        write_file(folder / "comparison.csv",
-                   [&](std::ostream& out) { bench::write_comparison(changes, out); });
-    }
+    bench::write_comparison(changes, comparison);
+    if (!changes.empty()) write("comparison.csv", comparison.str());
 }
 
 int run(const BenchArguments& arguments, const Shell& shell) {
@@ -79,11 +96,10 @@ int run(const BenchArguments& arguments, const Shell& shell) {
         throw UsageError("bench writes several files: give a folder with -o DIR");
     if (arguments.repeats < 1)
         throw UsageError(fmt::format("{} repeats; at least 1", arguments.repeats));
-    std::vector<bench::Change> changes;
     bench::Results before;
     if (!arguments.compare_with.empty()) before = bench::read_results(arguments.compare_with);
     const auto results = measured(arguments, shell);
-    if (!arguments.compare_with.empty()) changes = bench::compare(before, results);
+    const std::vector<bench::Change> changes = bench::compare(before, results);
     write_folder(shell.common().output, results, changes);
     for (const auto& c : changes) {
         if (c.verdict != "same") {
@@ -103,9 +119,7 @@ int run(const BenchArguments& arguments, const Shell& shell) {
 
 void add_bench(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<BenchArguments>();
-    command
-        .add_option("--suite", arguments->suites,
-                    fmt::format("{}; default all", fmt::join(bench::suite_names(), ", ")))
+    command.add_option("--suite", arguments->suites, suite_names(", ") + "; default all")
         ->type_name("LIST");
     command
         .add_option("--compare", arguments->compare_with,

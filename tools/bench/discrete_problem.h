@@ -1,10 +1,13 @@
 // Textbook solvers of the equation of transfer share this: Gauss nodes, a truncated phase function,
-// azimuthal orders and the exact first order. Written anew, so that nothing of rte/ is in it.
+// azimuthal orders and the exact first order. Written anew: of rte/ it has quadrature and Legendre
+// functions alone.
 #pragma once
 
 #include <Eigen/Core>
 #include <functional>
 #include <vector>
+
+#include <miebrdf/solver.h>
 
 namespace miebrdf::bench {
 
@@ -28,7 +31,6 @@ struct OrderLayer {
 
 /// One azimuthal order m: Y_l^m = sqrt((l-m)!/(l+m)!) P_l^m, rows = directions, columns = l - m.
 struct Order {
-    int m = 0;
     Eigen::VectorXd mu, weights;  ///< Gauss nodes on (0, 1)
     Eigen::MatrixXd nodes;
     Eigen::VectorXd user_mu;  ///< incident cosines first
@@ -45,13 +47,15 @@ struct Order {
 /// by the truncated phase function.
 using OrderSolver = std::function<Eigen::MatrixXd(const Order&)>;
 
-/// R at mu_in x mu_out x azimuth (laid out as rte::ReflectionTable) by a solver for one order:
-/// delta-M with 2 n moments, orders until two in a row change nothing by more than 1e-10, and the
-/// first order exact (Nakajima & Tanaka 1988).
+/// Cosine of the scattering angle.
+double cos_scattering(double mu_in, double mu_out, double azimuth_deg);
+
+/// R (laid out as rte::ReflectionTable) by a solver for one order: delta-M with 2 n moments, orders
+/// until two in a row change nothing by more than 1e-10, and the first order exact (Nakajima &
+/// Tanaka 1988).
 /// @param streams  Gauss nodes per hemisphere
-std::vector<double> sum_orders(const MomentStack& stack, int streams,
-                               const std::vector<double>& mu_in, const std::vector<double>& mu_out,
-                               const std::vector<double>& azimuth_deg, const OrderSolver& solver);
+std::vector<double> sum_orders(const MomentStack& stack, int streams, const rte::Directions& wanted,
+                               const OrderSolver& solver);
 
 /// Plane albedo from order 0, the outgoing hemisphere integrated by the nodes themselves.
 std::vector<double> plane_albedo(const MomentStack& stack, int streams,

@@ -1,7 +1,10 @@
 // Error and run time of one method at one setting of its knob, measured side by side with others.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <utility>
@@ -65,6 +68,19 @@ struct BenchCase {
     std::string question = {};  ///< to other programs (peers.h); empty: they are not asked
     /// The measure of an answer's error; empty: largest_relative_error.
     std::function<double(const std::vector<double>&, const std::vector<double>&)> error = {};
+
+    void add(std::string method, std::string parameter, std::function<Answer()> run) {
+        contenders.push_back({std::move(method), std::move(parameter), std::move(run)});
+    }
+    /// One contender for each setting of a knob.
+    /// @param knob  format of the setting, e.g. "n={}"
+    /// @param run   called with the setting
+    template <typename Setting, typename Run>
+    void add_each(const std::string& method, fmt::format_string<const Setting&> knob,
+                  std::initializer_list<Setting> settings, const Run& run) {
+        for (const Setting& s : settings)
+            add(method, fmt::format(knob, s), [run, s] { return run(s); });
+    }
 };
 
 struct MeasureOptions {

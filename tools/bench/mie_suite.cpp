@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <complex>
-#include <stdexcept>
 
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
+#include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
 #include "tools/bench/suites.h"
 #include "tools/bench/truth.h"
@@ -50,6 +50,13 @@ std::vector<double> sphere_by_sphere(std::complex<double> index, const math::Qua
 
 const std::vector<int> kMoments = {1, 2, 8, 32, 64};
 
+std::vector<double> some_of(const std::vector<double>& chi) {
+    std::vector<double> some;
+    some.reserve(kMoments.size());
+    for (const int l : kMoments) some.push_back(chi[std::size_t(l)] / chi[0]);
+    return some;
+}
+
 // The textbook way to moments: intensities on Gauss angles, then projected on Legendre polynomials.
 std::vector<double> moments_by_angles(std::complex<double> index, const math::Quadrature& sizes,
                                       int angles) {
@@ -59,26 +66,15 @@ std::vector<double> moments_by_angles(std::complex<double> index, const math::Qu
     for (std::size_t i = 0; i < sizes.nodes.size(); ++i) {
         const double x = size_parameter(sizes.nodes[i]);
         const auto s = mie::scattering_amplitudes(index, x, degrees);
-        for (std::size_t a = 0; a < phase.size(); ++a) {
+        for (std::size_t a = 0; a < phase.size(); ++a)
             phase[a] += sizes.weights[i] / (x * x) * (std::norm(s.s1[a]) + std::norm(s.s2[a]));
-        }
     }
-    std::vector<double> sums(65, 0.0);
-    for (std::size_t a = 0; a < phase.size(); ++a) {
-        double before = 1, now = rule.nodes[a];
-        for (std::size_t l = 0; l < sums.size(); ++l) {
-            sums[l] += rule.weights[a] * phase[a] * before;
-            const double next =
-                ((2 * double(l) + 3) * rule.nodes[a] * now - (double(l) + 1) * before) /
-                (double(l) + 2);
-            before = now;
-            now = next;
-        }
-    }
-    std::vector<double> chi;
-    chi.reserve(std::size(kMoments));
-    for (const int l : kMoments) chi.push_back(sums[static_cast<std::size_t>(l)] / sums[0]);
-    return chi;
+    Eigen::MatrixXd legendre;
+    math::legendre_functions(0, 65, Eigen::VectorXd::Map(rule.nodes.data(), angles), legendre);
+    const Eigen::VectorXd sums =
+        legendre.transpose() * Eigen::VectorXd::Map(phase.data(), angles)
+                                   .cwiseProduct(Eigen::VectorXd::Map(rule.weights.data(), angles));
+    return some_of({sums.begin(), sums.end()});
 }
 
 mie::EnsembleOptics library(std::complex<double> index, double tolerance, int highest_moment) {
@@ -92,13 +88,7 @@ mie::EnsembleOptics library(std::complex<double> index, double tolerance, int hi
 }
 
 std::size_t row_of(const ReferenceData& table, std::complex<double> index) {
-    for (std::size_t row = 0; row < table.size(); ++row) {
-        if (table.number(row, "reff") == 50 && table.number(row, "lam") == 0.55 &&
-            table.number(row, "n") == index.real() && table.number(row, "k") == index.imag()) {
-            return row;
-        }
-    }
-    throw std::logic_error("reference table lacks an ensemble");
+    return table.row({{"reff", 50.0}, {"lam", 0.55}, {"n", index.real()}, {"k", index.imag()}});
 }
 
 constexpr char kTruth[] =
@@ -109,61 +99,41 @@ constexpr char kTruth[] =
 BenchCase efficiencies(std::complex<double> index) {
     const ReferenceData table("mie/poly_summary.csv");
     const std::size_t row = row_of(table, index);
-    BenchCase c;
-    c.suite = "mie";
-    c.name = fmt::format("n {} k {}, q_ext albedo g", index.real(), index.imag());
-    c.quantity = "Extinction efficiency, albedo and g of spheres of 50 um at 550 nm.";
-    c.truth = kTruth;
     const bool exact = index.imag() == 0;
-    c.true_values = {table.number(row, exact ? "Qext_contour" : "Qext"),
-                     table.number(row, "albedo"), table.number(row, exact ? "g_corr" : "g")};
-    for (const double t : {1e-2, 1e-3, 1e-4, 1e-5}) {
-        c.contenders.push_back({"miebrdf", fmt::format("tol={:.0e}", t), [=] {
-                                    const auto optics = library(index, t, 1);
-                                    return std::vector<double>{optics.q_ext,
-                                                               optics.single_scattering_albedo,
-                                                               optics.asymmetry};
-                                }});
-    }
-    for (const int n : {20, 80, 320, 1280}) {
-        c.contenders.push_back({"spheres, Gauss in ln r", fmt::format("{} sizes", n),
-                                [=] { return sphere_by_sphere(index, radii(n, true)); }});
-        c.contenders.push_back({"spheres, midpoints in r", fmt::format("{} sizes", n),
-                                [=] { return sphere_by_sphere(index, radii(n, false)); }});
-    }
+    BenchCase c{"mie",
+                fmt::format("n {} k {}, q_ext albedo g", index.real(), index.imag()),
+                "Extinction efficiency, albedo and g of spheres of 50 um at 550 nm.",
+                kTruth,
+                {table.number(row, exact ? "Qext_contour" : "Qext"), table.number(row, "albedo"),
+                 table.number(row, exact ? "g_corr" : "g")},
+                {}};
+    c.add_each("miebrdf", "tol={:.0e}", {1e-2, 1e-3, 1e-4, 1e-5}, [=](double t) {
+        const auto optics = library(index, t, 1);
+        return std::vector{optics.q_ext, optics.single_scattering_albedo, optics.asymmetry};
+    });
+    c.add_each("spheres, Gauss in ln r", "{} sizes", {20, 80, 320, 1280},
+               [=](int n) { return sphere_by_sphere(index, radii(n, true)); });
+    c.add_each("spheres, midpoints in r", "{} sizes", {20, 80, 320, 1280},
+               [=](int n) { return sphere_by_sphere(index, radii(n, false)); });
     return c;
 }
 
 BenchCase moments(std::complex<double> index) {
     const ReferenceData summary("mie/poly_summary.csv"), table("mie/poly_moments.csv");
     const std::string which = summary.text(row_of(summary, index), "case");
-    BenchCase c;
-    c.suite = "mie";
-    c.name = fmt::format("n {} k {}, moments", index.real(), index.imag());
-    c.quantity = "Legendre moments 1, 2, 8, 32, 64 (of 64 computed) of spheres of 50 um at 550 nm.";
-    c.truth = kTruth;
-    for (const int l : kMoments) {
-        for (std::size_t row = 0; row < table.size(); ++row) {
-            if (table.text(row, "case") == which && table.number(row, "l") == l) {
-                c.true_values.push_back(table.number(row, "chi_l"));
-            }
-        }
-    }
-    for (const double t : {1e-2, 1e-3, 1e-4, 1e-5}) {
-        c.contenders.push_back({"miebrdf", fmt::format("tol={:.0e}", t), [=] {
-                                    const auto optics = library(index, t, 64);
-                                    std::vector<double> chi;
-                                    chi.reserve(std::size(kMoments));
-                                    for (const int l : kMoments)
-                                        chi.push_back(optics.chi[static_cast<std::size_t>(l)]);
-                                    return chi;
-                                }});
-    }
-    for (const int n : {5, 20, 80}) {
-        // Twice as many angles as partial waves of the largest sphere integrate |S|^2 exactly.
-        c.contenders.push_back({"angles, midpoints in r", fmt::format("{} sizes", n),
-                                [=] { return moments_by_angles(index, radii(n, false), 2400); }});
-    }
+    BenchCase c{"mie",
+                fmt::format("n {} k {}, moments", index.real(), index.imag()),
+                "Legendre moments 1, 2, 8, 32, 64 (of 64 computed) of spheres of 50 um at 550 nm.",
+                kTruth,
+                {},
+                {}};
+    for (const int l : kMoments)
+        c.true_values.push_back(table.number("chi_l", {{"case", which}, {"l", double(l)}}));
+    c.add_each("miebrdf", "tol={:.0e}", {1e-2, 1e-3, 1e-4, 1e-5},
+               [=](double t) { return some_of(library(index, t, 64).chi); });
+    // Twice as many angles as partial waves of the largest sphere integrate |S|^2 exactly.
+    c.add_each("angles, midpoints in r", "{} sizes", {5, 20, 80},
+               [=](int n) { return moments_by_angles(index, radii(n, false), 2400); });
     return c;
 }
 

@@ -148,21 +148,21 @@ class Peer {
     std::set<std::string> said_;
 };
 
-Json words_of(const SimpleLayer& layer) {
-    return {{"albedo", layer.single_scattering_albedo}, {"asymmetry", layer.asymmetry}};
-}
-
 }  // namespace
 
-std::string question_of(const BenchScene& scene, const Wanted& wanted) {
-    Json question{{"quantity", wanted.is_albedo() ? "plane_albedo" : "reflection"},
-                  {"base", words_of(scene.base)},
+std::string question_of(const SimpleStack& scene, const rte::Directions& wanted) {
+    const auto words = [](const SimpleLayer& layer) {
+        return Json{{"albedo", layer.single_scattering_albedo}, {"asymmetry", layer.asymmetry}};
+    };
+    const bool is_albedo = wanted.mu_out.empty();
+    Json question{{"quantity", is_albedo ? "plane_albedo" : "reflection"},
+                  {"base", words(scene.base)},
                   {"mu_in", wanted.mu_in}};
     if (scene.coat) {
-        question["coat"] = words_of(*scene.coat);
+        question["coat"] = words(*scene.coat);
         question["coat"]["optical_depth"] = scene.coat->optical_depth;
     }
-    if (!wanted.is_albedo()) {
+    if (!is_albedo) {
         question["mu_out"] = wanted.mu_out;
         question["azimuth_deg"] = wanted.azimuth_deg;
     }
@@ -196,8 +196,7 @@ void add_peer(const PeerWords& words, double patience_s,
         question["ask"] = "values";
         for (const std::string& setting : settings) {
             question["setting"] = setting;
-            c.contenders.push_back(
-                {words.name, setting, [peer, question] { return peer->values_of(question); }});
+            c.add(words.name, setting, [peer, question] { return peer->values_of(question); });
         }
     }
 }

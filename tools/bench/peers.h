@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/bench_scene.h"
+#include <miebrdf/solver.h>
+#include "tools/bench/approximations.h"
 #include "tools/bench/measurement.h"
 
 namespace miebrdf::bench {
 
 /// The question of a case to a peer, as a JSON object in one line.
-std::string question_of(const BenchScene& scene, const Wanted& wanted);
+std::string question_of(const SimpleStack& scene, const rte::Directions& wanted);
 
 struct PeerWords {
     std::string name;     ///< as it stands in the plots

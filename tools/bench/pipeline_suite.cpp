@@ -4,19 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include <miebrdf/brdf.h>
 #include "pipeline/solve/single_scattering.h"
-#include "tools/bench/photon_tracer.h"
+#include "tools/bench/scenes.h"
 #include "tools/bench/suites.h"
 #include "tools/bench/truth.h"
 
 namespace miebrdf::bench {
 namespace {
 
-const std::vector<double> kMuIn = {0.2, 0.5, 0.8}, kMuOut = {0.2, 0.5, 0.8},
-                          kAzimuth = {0, 60, 120, 180};
+const Directions kWanted{{0.2, 0.5, 0.8}, {0.2, 0.5, 0.8}, {0, 60, 120, 180}};
 
 Scene paper_scene() {
     Scene scene;
@@ -27,14 +25,14 @@ Scene paper_scene() {
 
 std::vector<double> run(const SolverOptions& options) {
     const Brdf brdf = solve(paper_scene(), {450}, options, {.threads = 1});
-    std::vector<double> values = brdf.evaluate({kMuIn, kMuOut, kAzimuth}).slices.at(0).subsurface;
+    std::vector<double> values = brdf.evaluate(kWanted).slices.at(0).subsurface;
     for (double& v : values) v *= M_PI;
     return values;
 }
 
 // Largest error relative to the largest value at the same incidence: what --tolerance promises.
 double error_by_incidence(const std::vector<double>& values, const std::vector<double>& truth) {
-    const std::size_t block = kMuOut.size() * kAzimuth.size();
+    const std::size_t block = kWanted.mu_out.size() * kWanted.azimuth_deg.size();
     if (values.size() != truth.size()) return std::numeric_limits<double>::quiet_NaN();
     double worst = 0;
     for (std::size_t start = 0; start < truth.size(); start += block) {
@@ -72,70 +70,48 @@ Answer by_photons(int photons) {
         return TracedLayer{optics.single_scattering_albedo, law_of(optics), optical_depth};
     };
     const TracedStack stack{traced(0, 0), {traced(1, 0.1)}};
-    std::vector<Detector> detectors;
-    for (const double mu : kMuOut) {
-        for (const double azimuth : kAzimuth) detectors.push_back({mu, azimuth});
-    }
     Answer answer;
-    for (const double mu : kMuIn) {
-        for (const Estimate& e :
-             trace_photons(stack, mu, detectors, {.photons = photons, .most_collisions = 2000})
-                 .reflection) {
-            answer.add(e.value, e.standard_error);
-        }
+    for (const double mu : kWanted.mu_in) {
+        const auto found = trace_photons(stack, mu, detectors(kWanted),
+                                         {.photons = photons, .most_collisions = 2000});
+        for (const Estimate& e : found.reflection) answer.add(e.value, e.standard_error);
     }
     return answer;
 }
 
 BenchCase painted_sample() {
-    BenchCase c;
-    c.suite = "pipeline";
-    c.name = "TiO2 + AlGaAs7 at 450 nm";
-    c.quantity =
-        "R of TiO2 under AlGaAs7 of depth 0.1 (paper, Fig. 1), 50 um spheres, cosines 0.2, 0.5, "
-        "0.8, "
-        "azimuths 0 to 180; error relative to the largest value at that incidence.";
-    c.truth =
-        "tests/reference/pipeline/tio2_algaas_reflection_450nm.csv, all 2,900 moments, 1e-3 or "
-        "better.";
-    c.error = error_by_incidence;
+    BenchCase c{"pipeline",
+                "TiO2 + AlGaAs7 at 450 nm",
+                "R of TiO2 under AlGaAs7 of depth 0.1 (paper, Fig. 1), 50 um spheres, cosines 0.2, "
+                "0.5, 0.8, azimuths 0 to 180; error relative to the largest value at that "
+                "incidence.",
+                "tests/reference/pipeline/tio2_algaas_reflection_450nm.csv, all 2,900 moments, "
+                "1e-3 or better.",
+                {},
+                {},
+                {},
+                error_by_incidence};
     const ReferenceData table("pipeline/tio2_algaas_reflection_450nm.csv");
-    for (const double i : kMuIn) {
-        for (const double o : kMuOut) {
-            for (const double a : kAzimuth) {
-                for (std::size_t row = 0; row < table.size(); ++row) {
-                    if (table.text(row, "pair") == "A" && table.number(row, "coat_tau") == 0.1 &&
-                        table.number(row, "mu_in") == i && table.number(row, "mu_out") == o &&
-                        table.number(row, "azimuth_deg") == a) {
-                        c.true_values.push_back(table.number(row, "R"));
-                    }
-                }
-            }
-        }
-    }
-    if (c.true_values.size() != 36) throw std::logic_error("reference table lacks a direction");
-    for (const double t : {1e-1, 1e-2, 3e-3, 1e-3}) {
-        c.contenders.push_back(
-            {"miebrdf", fmt::format("tol={:.0e}", t), [=] { return run({.tolerance = t}); }});
-    }
-    for (const int n : {16, 32}) {
-        SolverOptions plain{.streams = n};
-        plain.single_scattering_correction = false;
-        SolverOptions paper = plain;
-        paper.grid = rte::GridKind::paper;
-        paper.half_space_method = rte::HalfSpaceMethod::fixed_point;
-        paper.coat_method = rte::CoatMethod::first_order_patched;
-        paper.delta_m = false;
-        const std::string knob = fmt::format("n={}", n);
-        c.contenders.push_back(
-            {"paper: eq. 2 and 3 on its grid", knob, [=] { return run(paper); }});
-        c.contenders.push_back(
-            {"no single-scattering correction", knob, [=] { return run(plain); }});
-    }
-    for (const int n : {300, 3000, 30000}) {
-        c.contenders.push_back(
-            {"Monte Carlo", fmt::format("{} photons", n), [=] { return by_photons(n); }});
-    }
+    for_each_direction(kWanted, [&](double in, double out, double azimuth) {
+        c.true_values.push_back(table.number("R", {{"pair", "A"},
+                                                   {"coat_tau", 0.1},
+                                                   {"mu_in", in},
+                                                   {"mu_out", out},
+                                                   {"azimuth_deg", azimuth}}));
+    });
+    c.add_each("miebrdf", "tol={:.0e}", {1e-1, 1e-2, 3e-3, 1e-3},
+               [](double t) { return run({.tolerance = t}); });
+    c.add_each("paper: eq. 2 and 3 on its grid", "n={}", {16, 32}, [](int n) {
+        return run({.grid = rte::GridKind::paper,
+                    .streams = n,
+                    .half_space_method = rte::HalfSpaceMethod::fixed_point,
+                    .coat_method = rte::CoatMethod::first_order_patched,
+                    .delta_m = false,
+                    .single_scattering_correction = false});
+    });
+    c.add_each("no single-scattering correction", "n={}", {16, 32},
+               [](int n) { return run({.streams = n, .single_scattering_correction = false}); });
+    c.add_each("Monte Carlo", "{} photons", {300, 3000, 30000}, by_photons);
     return c;
 }
 

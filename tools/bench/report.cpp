@@ -27,6 +27,9 @@ td,th{padding:2px 9px;text-align:left;border-bottom:1px solid #ddd}</style></hea
 // Beyond these points are drawn at the edge; the table has the numbers.
 constexpr double kLowestError = 1e-17, kHighestError = 10, kShortestTime = 1e-6;
 
+// The "what to choose" tables answer for these.
+constexpr double kWantedErrors[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
+
 double drawn_error(double error) { return std::clamp(error, kLowestError, kHighestError); }
 double drawn_time(const Measurement& m) { return std::max(m.seconds, kShortestTime); }
 
@@ -109,12 +112,6 @@ std::string markdown_table(const Rows& rows) {
     return text;
 }
 
-std::string choice_text(const std::vector<Measurement>& points, double error) {
-    const Measurement* best = best_for(points, error);
-    return best ? fmt::format("{} {}, {}", best->method, best->parameter, time_text(best->seconds))
-                : "none";
-}
-
 std::vector<std::string> suites_of(const Results& results) {
     std::vector<std::string> suites;
     for (const auto& [suite, name] : cases_of(results)) {
@@ -125,13 +122,18 @@ std::vector<std::string> suites_of(const Results& results) {
 
 Rows choice_rows(const Results& results, const std::string& suite) {
     Rows rows = {{"case"}};
-    for (const double e : wanted_errors())
-        rows.front().push_back(fmt::format("error <= {:.0e}", e));
+    for (const double e : kWantedErrors) rows.front().push_back(fmt::format("error <= {:.0e}", e));
     for (const auto& [s, name] : cases_of(results)) {
         if (s != suite) continue;
         const auto points = of_case(results, s, name);
         rows.push_back({name});
-        for (const double e : wanted_errors()) rows.back().push_back(choice_text(points, e));
+        for (const double e : kWantedErrors) {
+            const Measurement* best = best_for(points, e);
+            rows.back().push_back(best == nullptr
+                                      ? "none"
+                                      : fmt::format("{} {}, {}", best->method, best->parameter,
+                                                    time_text(best->seconds)));
+        }
     }
     return rows;
 }
@@ -164,11 +166,6 @@ std::string changes_html(const std::vector<Change>& changes) {
 }
 
 }  // namespace
-
-const std::vector<double>& wanted_errors() {
-    static const std::vector<double> errors = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
-    return errors;
-}
 
 std::string case_plot(const Results& results, const std::string& suite,
                       const std::string& test_case) {
@@ -212,11 +209,7 @@ std::string plot_file_name(const std::string& suite, const std::string& test_cas
     std::string name;
     for (const char c : suite + " " + test_case) {
         const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.';
-        if (plain) {
-            name += c;
-        } else if (!name.empty() && name.back() != '-') {
-            name += '-';
-        }
+        if (plain || (!name.empty() && name.back() != '-')) name += plain ? c : '-';
     }
     return name + ".svg";
 }
@@ -252,17 +245,13 @@ std::string report_page(const Results& results, const std::vector<Change>& chang
     return html + html_table(facts) + "</body></html>\n";
 }
 
-std::string choice_table_markdown(const Results& results, const std::string& suite) {
-    return markdown_table(choice_rows(results, suite));
-}
-
-namespace {
-
 void write_text(const std::filesystem::path& path, const std::string& text) {
     AtomicFile file(path);
     file.stream() << text;
     file.commit();
 }
+
+namespace {
 
 std::string machine_text(const Results& results) {
     std::string text;
@@ -276,15 +265,14 @@ std::string machine_text(const Results& results) {
 
 // The smallest error of a method in a case; empty where it was not tried.
 std::string smallest_error(const std::vector<Measurement>& points, const std::string& method) {
-    bool tried = false;
+    std::string text;
     double smallest = std::numeric_limits<double>::infinity();
     for (const Measurement& point : points) {
         if (point.method != method) continue;
-        tried = true;
         if (std::isfinite(point.error)) smallest = std::min(smallest, point.error);
+        text = std::isfinite(smallest) ? fmt::format("{:.1e}", smallest) : "no answer";
     }
-    if (!tried) return "";
-    return std::isfinite(smallest) ? fmt::format("{:.1e}", smallest) : "no answer";
+    return text;
 }
 
 // Describes the cases of a suite, and gives the smallest errors: a row for each method, a column
@@ -321,10 +309,6 @@ std::string error_table(const Results& results, const std::string& suite) {
     return text + "\n" + markdown_table(rows);
 }
 
-std::string plot_name(std::size_t index, const std::string& suite) {
-    return fmt::format("{}-{}.svg", suite, index + 1);
-}
-
 }  // namespace
 
 std::string with_generated_part(const std::string& page, const std::string& name,
@@ -357,17 +341,17 @@ void update_bench_documents(const std::filesystem::path& folder, const Results& 
         if (is_about_rules(suite)) continue;
         if (suite != suite_before) {
             performance +=
-                fmt::format("### {}\n\n{}\n", suite, choice_table_markdown(results, suite));
+                fmt::format("### {}\n\n{}\n", suite, markdown_table(choice_rows(results, suite)));
             accuracy += fmt::format("### {}\n\n{}\n", suite, error_table(results, suite));
             index = 0;
         }
         suite_before = suite;
-        const std::string plot = plot_name(index++, suite);
+        const std::string plot = fmt::format("{}-{}.svg", suite, ++index);
         write_text(folder / "plots" / plot, case_plot(results, suite, name));
         performance += fmt::format("![{}](plots/{})\n\n", title_of(suite, name), plot);
     }
-    if (!rule_savings(results).empty())
-        performance += fmt::format("### rules\n\n{}\n", markdown_table(rule_table(results)));
+    const Rows rules = rule_table(results);
+    if (rules.size() > 1) performance += fmt::format("### rules\n\n{}\n", markdown_table(rules));
     update_document(folder / "accuracy.md", "bench", accuracy);
     update_document(folder / "performance.md", "bench", performance);
 }

@@ -9,9 +9,6 @@
 
 namespace miebrdf::bench {
 
-/// The errors that the "what to choose" tables answer for.
-const std::vector<double>& wanted_errors();
-
 /// Error over time of the points of one case: a curve for each method, in its colour of all cases
 /// of these results; the Pareto front; the 95 % confidence intervals of methods of chance. Errors
 /// below 1e-17 (exact zeros too) and above 10, and times below 1 us, are drawn at these limits.
@@ -26,9 +23,6 @@ std::string plot_file_name(const std::string& suite, const std::string& test_cas
 /// with an earlier run if there is one, machine and versions.
 std::string report_page(const Results& results, const std::vector<Change>& changes = {});
 
-/// Markdown of the "what to choose" table of one suite, for the documentation.
-std::string choice_table_markdown(const Results& results, const std::string& suite);
-
 /// `page` with everything between its two marks of this name replaced.
 /// @throws miebrdf::InputError  when a mark is missing
 std::string with_generated_part(const std::string& page, const std::string& name,
@@ -37,6 +31,9 @@ std::string with_generated_part(const std::string& page, const std::string& name
 /// Puts choice tables, error tables and plots of these results into accuracy.md and performance.md
 /// of a folder, and the plots into its subfolder plots/.
 void update_bench_documents(const std::filesystem::path& folder, const Results& results);
+
+/// Writes a file, whole or not at all.
+void write_text(const std::filesystem::path& path, const std::string& text);
 
 /// Replaces one generated part of a file.
 void update_document(const std::filesystem::path& file, const std::string& name,

@@ -63,20 +63,8 @@ void write_comparison(const std::vector<Change>& changes, std::ostream& out);
 /// Whether a suite compares requests with and without a rule, not methods with a truth.
 bool is_about_rules(const std::string& suite);
 
-/// One rule: the same quantity from the full and from the reduced request.
-struct RuleSaving {
-    std::string rule;
-    std::string compared;          ///< what was computed both ways
-    double full_seconds = 0.0;     ///< median CPU time
-    double reduced_seconds = 0.0;  ///< median CPU time
-    double difference = 0.0;       ///< largest relative one of the values
-    double ratio() const { return full_seconds / reduced_seconds; }
-};
-
-/// All rules that were measured, in order.
-std::vector<RuleSaving> rule_savings(const Results& results);
-
-/// The savings as rows of text: a head, then one row for each rule.
+/// What each rule saves, from the full and the reduced request, as rows of text: a head, then one
+/// row for each rule that was measured.
 std::vector<std::vector<std::string>> rule_table(const Results& results);
 
 }  // namespace miebrdf::bench

@@ -19,15 +19,13 @@ std::vector<BenchCase> pipeline_suite();
 /// One case for each rule of `plan` (pipeline/plan/rules.h): the full and the reduced request.
 std::vector<BenchCase> rules_suite();
 
-/// "mie", "half-space", "coat", "boundary", "stokes", "surface", "pipeline", "rules".
-const std::vector<std::string>& suite_names();
-
-/// @throws miebrdf::UsageError  for an unknown name, listing the known ones
-std::vector<BenchCase> suite(const std::string& name);
-
-/// Measures cases and describes them in the facts.
-/// @param watch  called with the name of each case before it is run
-Results run_cases(const std::vector<BenchCase>& cases, const MeasureOptions& options,
-                  const std::function<void(const std::string&)>& watch = {});
+struct Suite {
+    const char* name;
+    std::vector<BenchCase> (*cases)();
+};
+inline constexpr Suite kSuites[] = {{"mie", mie_suite},           {"half-space", half_space_suite},
+                                    {"coat", coat_suite},         {"boundary", boundary_suite},
+                                    {"stokes", stokes_suite},     {"surface", surface_suite},
+                                    {"pipeline", pipeline_suite}, {"rules", rules_suite}};
 
 }  // namespace miebrdf::bench

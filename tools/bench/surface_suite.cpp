@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <functional>
 
 #include <miebrdf/surface.h>
 #include "rte/math/quadrature.h"
@@ -17,8 +16,6 @@ namespace miebrdf::bench {
 namespace {
 
 constexpr std::array kMuIn = {0.1, 0.4, 0.7, 1.0};
-
-using Rho = std::function<double(double mu_in)>;
 
 // Integral of R_s mu_out over the outgoing hemisphere on Gauss nodes of mu_out and azimuth.
 double by_product_rule(const rte::SurfaceLobe& lobe, double mu_in, int count) {
@@ -51,6 +48,7 @@ Answer by_chance(const rte::SurfaceLobe& lobe, int count) {
     return answer;
 }
 
+template <typename Rho>
 std::vector<double> at_all(const Rho& rho) {
     std::vector<double> values(kMuIn.size());
     std::transform(kMuIn.begin(), kMuIn.end(), values.begin(), rho);
@@ -58,35 +56,27 @@ std::vector<double> at_all(const Rho& rho) {
 }
 
 BenchCase reflectance(double alpha, std::complex<double> index) {
-    BenchCase c;
-    c.suite = "surface";
-    c.name = fmt::format("rho, alpha {}, n {} k {}", alpha, index.real(), index.imag());
-    c.quantity = "Directional reflectance rho_dt at cosines 0.1, 0.4, 0.7, 1.";
-    c.truth =
-        "the model's textbook formulas (Beckmann, Smith, Fresnel in complex arithmetic), written "
-        "once "
-        "more for this purpose, by adaptive Gauss-Kronrod quadrature of Boost to 1e-11.";
+    BenchCase c{"surface",
+                fmt::format("rho, alpha {}, n {} k {}", alpha, index.real(), index.imag()),
+                "Directional reflectance rho_dt at cosines 0.1, 0.4, 0.7, 1.",
+                "the model's textbook formulas (Beckmann, Smith, Fresnel in complex arithmetic), "
+                "written once more for this purpose, by adaptive Gauss-Kronrod quadrature of Boost "
+                "to 1e-11.",
+                {},
+                {}};
     rte::SurfaceOptions options;
     options.beckmann_alpha = alpha;
     const rte::SurfaceLobe lobe(index, options);
     c.true_values = at_all([&](double mu) { return textbook_reflectance(alpha, index, mu); });
-    for (const double t : {1e-2, 1e-4, 1e-6, 1e-8}) {
-        c.contenders.push_back(
-            {"miebrdf", fmt::format("tol={:.0e}", t), [=] {
-                 return at_all([&](double mu) {
-                     return rte::directional_reflectance(index, options, mu, t).value;
-                 });
-             }});
-    }
-    for (const int n : {8, 16, 32, 64, 128}) {
-        c.contenders.push_back(
-            {"Gauss in mu_out and azimuth", fmt::format("{0} x {0}", n),
-             [=] { return at_all([&](double mu) { return by_product_rule(lobe, mu, n); }); }});
-    }
-    for (const int n : {1000, 10000, 100000}) {
-        c.contenders.push_back(
-            {"Monte Carlo", fmt::format("{} rays", n), [=] { return by_chance(lobe, n); }});
-    }
+    c.add_each("miebrdf", "tol={:.0e}", {1e-2, 1e-4, 1e-6, 1e-8}, [=](double t) {
+        return at_all(
+            [&](double mu) { return rte::directional_reflectance(index, options, mu, t).value; });
+    });
+    c.add_each("Gauss in mu_out and azimuth", "{0} x {0}", {8, 16, 32, 64, 128}, [=](int n) {
+        return at_all([&](double mu) { return by_product_rule(lobe, mu, n); });
+    });
+    c.add_each("Monte Carlo", "{} rays", {1000, 10000, 100000},
+               [=](int n) { return by_chance(lobe, n); });
     return c;
 }
 

@@ -15,12 +15,12 @@ struct Slab {
     Eigen::VectorXd E;
 };
 
-// Directions of an order: nodes first, then user angles, which carry no weight.
-struct Directions {
+// AllDirections of an order: nodes first, then user angles, which carry no weight.
+struct AllDirections {
     Eigen::VectorXd mu, measure;  // measure: 2 mu w
     Eigen::MatrixXd y;
 
-    explicit Directions(const Order& order) {
+    explicit AllDirections(const Order& order) {
         const Eigen::Index n = order.mu.size(), u = order.user_mu.size();
         mu.resize(n + u);
         mu << order.mu, order.user_mu;
@@ -49,7 +49,7 @@ struct Directions {
     Eigen::Index n_ = 0;
 };
 
-Slab thin_layer(const Order& order, const Directions& d, const OrderLayer& layer, double depth) {
+Slab thin_layer(const Order& order, const AllDirections& d, const OrderLayer& layer, double depth) {
     const Eigen::MatrixXd up = order.phase(layer, d.y, d.y, true);
     const Eigen::MatrixXd down = order.phase(layer, d.y, d.y, false);
     Slab slab{up, down, (-depth * d.mu.cwiseInverse().array()).exp()};
@@ -73,7 +73,7 @@ struct Combined {
     Eigen::MatrixXd R, down;
 };
 
-Combined put_on(const Directions& d, const Slab& top, const Eigen::MatrixXd& below) {
+Combined put_on(const AllDirections& d, const Slab& top, const Eigen::MatrixXd& below) {
     const auto E = top.E.asDiagonal();
     const Eigen::MatrixXd S = d.repeated(top.R, below);
     Combined c;
@@ -83,13 +83,13 @@ Combined put_on(const Directions& d, const Slab& top, const Eigen::MatrixXd& bel
     return c;
 }
 
-Slab doubled(const Directions& d, const Slab& slab) {
+Slab doubled(const AllDirections& d, const Slab& slab) {
     const Combined c = put_on(d, slab, slab.R);
     const auto E = slab.E.asDiagonal();
     return {c.R, E * c.down + slab.T * E + d.star(slab.T, c.down), slab.E.cwiseAbs2()};
 }
 
-Slab layer_of(const Order& order, const Directions& d, const OrderLayer& layer, double thin) {
+Slab layer_of(const Order& order, const AllDirections& d, const OrderLayer& layer, double thin) {
     const int doublings =
         std::max(0, static_cast<int>(std::ceil(std::log2(layer.optical_depth / thin))));
     Slab slab = thin_layer(order, d, layer, std::ldexp(layer.optical_depth, -doublings));
@@ -98,7 +98,7 @@ Slab layer_of(const Order& order, const Directions& d, const OrderLayer& layer, 
 }
 
 // Stops when doubling adds less than rounding; 80 doublings from 1e-8 are an optical depth of 1e16.
-Eigen::MatrixXd half_space(const Order& order, const Directions& d, const OrderLayer& layer,
+Eigen::MatrixXd half_space(const Order& order, const AllDirections& d, const OrderLayer& layer,
                            double thin) {
     Slab slab = thin_layer(order, d, layer, thin);
     for (int i = 0; i < 80; ++i) {
@@ -114,7 +114,7 @@ Eigen::MatrixXd half_space(const Order& order, const Directions& d, const OrderL
 }  // namespace
 
 Eigen::MatrixXd adding_doubling(const Order& order, double thin) {
-    const Directions d(order);
+    const AllDirections d(order);
     Eigen::MatrixXd R = half_space(order, d, order.layers.back(), thin);
     for (std::size_t i = order.layers.size() - 1; i-- > 0;) {
         if (!(order.layers[i].optical_depth > 0)) continue;

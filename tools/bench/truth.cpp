@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
@@ -12,18 +13,18 @@
 
 namespace miebrdf::bench {
 
-ReferenceData::ReferenceData(const std::string& name) {
+ReferenceData::ReferenceData(const std::string& name) : name_(name) {
     const char* text = built_in_table(name);
     if (text == nullptr) throw std::logic_error("no built-in reference table " + name);
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) {
         if (line.empty() || line[0] == '#') continue;
         auto fields = materials::split_fields(line);
-        if (columns_.empty()) {
-            for (std::size_t i = 0; i < fields.size(); ++i) columns_[fields[i]] = i;
-        } else {
+        if (!columns_.empty()) {
             rows_.push_back(std::move(fields));
+            continue;
         }
+        for (std::size_t i = 0; i < fields.size(); ++i) columns_[fields[i]] = i;
     }
 }
 
@@ -33,6 +34,20 @@ const std::string& ReferenceData::text(std::size_t row, const std::string& colum
 
 double ReferenceData::number(std::size_t row, const std::string& column) const {
     return std::stod(text(row, column));
+}
+
+std::size_t ReferenceData::row(const std::vector<Where>& wanted) const {
+    const auto fits = [&](std::size_t row, const Where& where) {
+        const std::string& field = text(row, where.column);
+        const auto* value = std::get_if<double>(&where.value);
+        if (value == nullptr) return field == std::get<std::string>(where.value);
+        return !field.empty() && std::strtod(field.c_str(), nullptr) == *value;
+    };
+    for (std::size_t row = 0; row < size(); ++row) {
+        if (std::all_of(wanted.begin(), wanted.end(), [&](auto& w) { return fits(row, w); }))
+            return row;
+    }
+    throw std::logic_error("reference table " + name_ + " lacks a row");
 }
 
 namespace {

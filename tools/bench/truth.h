@@ -5,9 +5,16 @@
 #include <complex>
 #include <map>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace miebrdf::bench {
+
+/// A column of a table, and the number or text that a row has there.
+struct Where {
+    std::string column;
+    std::variant<double, std::string> value;
+};
 
 /// A CSV table with '#' comments and one header line.
 class ReferenceData {
@@ -19,8 +26,15 @@ class ReferenceData {
     std::size_t size() const { return rows_.size(); }
     const std::string& text(std::size_t row, const std::string& column) const;
     double number(std::size_t row, const std::string& column) const;
+    /// The first row that has all of these.
+    /// @throws std::logic_error  where there is none
+    std::size_t row(const std::vector<Where>& wanted) const;
+    double number(const std::string& column, const std::vector<Where>& wanted) const {
+        return number(row(wanted), column);
+    }
 
   private:
+    std::string name_;
     std::map<std::string, std::size_t> columns_;
     std::vector<std::vector<std::string>> rows_;
 };

@@ -1,6 +1,5 @@
 // Errors of averages over sizes, against sums over single spheres: the errors themselves, in
-// tolerances, and how often they exceed what is stated. vary.py runs this with one constant changed
-// at a time.
+// tolerances, and how often they exceed what is stated.
 //
 //     ensemble_battery TRUTH [PART...]     PART: averages, points, tables, matrices; each with
 //                                          rare- before it for cases that constants were made for
@@ -22,7 +21,7 @@
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/sphere_block.h"
 #include "tools/constants/tally.h"
-#include "tools/stress/dice.h"
+#include "tools/stress/random_media.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Errors of values in tolerances and over what was stated, and the line that vary.py reads of them.
+// Errors of values in tolerances and over what was stated, and the line that tells them.
 #pragma once
 
 #include <algorithm>

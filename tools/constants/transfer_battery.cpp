@@ -23,7 +23,6 @@
 
 #include "rte/stack/hidden_layers.h"
 #include "tools/constants/tally.h"
-#include "tools/stress/dice.h"
 #include "tools/stress/random_media.h"
 
 namespace {

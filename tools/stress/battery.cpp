@@ -10,9 +10,14 @@
 
 namespace miebrdf::stress {
 
-void Log::at_most(const std::string& test_case, const std::string& quantity, double value,
-                  double bound, const std::string& cause) {
-    checks_.push_back({suite_, test_case, quantity, value, bound, cause});
+void Log::run(const std::string& test_case, const std::function<void(const Case&)>& action) {
+    const Case one(suite_, test_case, checks_);
+    try {
+        action(one);
+    } catch (const std::exception& error) {
+        one.at_most(std::string("threw: ") + error.what(), 1, 0,
+                    "a valid request must have an answer");
+    }
 }
 
 void Log::refused(const std::string& test_case, const std::function<void()>& action) {
@@ -22,17 +27,8 @@ void Log::refused(const std::string& test_case, const std::function<void()>& act
     } catch (const std::exception&) {
         value = 0;
     }
-    at_most(test_case, "accepted without complaint", value, 0,
-            "outside what has a meaning: must throw");
-}
-
-void Log::run(const std::string& test_case, const std::function<void()>& action) {
-    try {
-        action();
-    } catch (const std::exception& error) {
-        at_most(test_case, std::string("threw: ") + error.what(), 1, 0,
-                "a valid request must have an answer");
-    }
+    Case(suite_, test_case, checks_)
+        .at_most("accepted without complaint", value, 0, "outside what has a meaning: must throw");
 }
 
 double outside(double value, double low, double high) {
@@ -54,6 +50,20 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
         if (!(d <= worst)) worst = d;
     }
     return worst;
+}
+
+double largest_jump(const std::vector<double>& a, const std::vector<double>& b) {
+    double jump = 0, largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double d = std::abs(a[i] - b[i]);
+        if (!(d <= jump)) jump = d;
+        largest = std::max(largest, std::abs(a[i]));
+    }
+    return jump / largest;
+}
+
+std::string text_of(std::complex<double> index) {
+    return fmt::format("{}+{}i", index.real(), index.imag());
 }
 
 std::vector<SwitchPoint> find_switches(double from, double to, int steps,
@@ -78,58 +88,31 @@ std::vector<SwitchPoint> find_switches(double from, double to, int steps,
     return found;
 }
 
-std::vector<Check> run_battery(const Options& options,
-                               const std::function<void(const std::string&)>& watch) {
-    using Suite = void (*)(const Options&, std::vector<Check>&);
-    const std::pair<const char*, Suite> suites[] = {{"spheres", spheres},
-                                                    {"ensembles", ensembles},
-                                                    {"half-spaces", half_spaces},
-                                                    {"coats", coats},
-                                                    {"boundaries", boundaries},
-                                                    {"surfaces", surfaces},
-                                                    {"materials", materials},
-                                                    {"refusals", refusals},
-                                                    {"photons", photons},
-                                                    {"sphere switches", sphere_switches},
-                                                    {"transfer switches", transfer_switches},
-                                                    {"promises", promises}};
-    std::vector<Check> checks;
-    for (const auto& [name, suite] : suites) {
-        if (watch) watch(name);
-        suite(options, checks);
-    }
-    return checks;
-}
-
 std::string tally(const std::vector<Check>& checks) {
-    std::vector<std::string> suites;
-    for (const Check& c : checks) {
-        if (std::find(suites.begin(), suites.end(), c.suite) == suites.end())
-            suites.push_back(c.suite);
-    }
     std::string text = "| suite | checks | not ok | closest to its bound |\n|---|---|---|---|\n",
                 failures;
-    for (const std::string& suite : suites) {
-        int count = 0, failed = 0;
+    for (auto first = checks.begin(); first != checks.end();) {
+        const auto end = std::find_if(first, checks.end(),
+                                      [&](const Check& c) { return c.suite != first->suite; });
+        int failed = 0;
         const Check* closest = nullptr;
-        for (const Check& c : checks) {
-            if (c.suite != suite) continue;
-            ++count;
-            if (!c.ok()) {
+        for (auto c = first; c != end; ++c) {
+            if (!c->ok()) {
                 ++failed;
-                failures += fmt::format("- {} / {}: {} is {:.3g}, bound {:.3g} ({})\n", c.suite,
-                                        c.test_case, c.quantity, c.value, c.bound, c.cause);
-            } else if (c.bound > 0 && c.value > 0 &&
+                failures += fmt::format("- {} / {}: {} is {:.3g}, bound {:.3g} ({})\n", c->suite,
+                                        c->test_case, c->quantity, c->value, c->bound, c->cause);
+            } else if (c->bound > 0 && c->value > 0 &&
                        (closest == nullptr ||
-                        c.value / c.bound > closest->value / closest->bound)) {
-                closest = &c;
+                        c->value / c->bound > closest->value / closest->bound)) {
+                closest = &*c;
             }
         }
-        text += fmt::format("| {} | {} | {} | {} |\n", suite, count, failed,
+        text += fmt::format("| {} | {} | {} | {} |\n", first->suite, end - first, failed,
                             closest == nullptr
                                 ? std::string("-")
                                 : fmt::format("{}, {}: {:.1e} of {:.1e}", closest->test_case,
                                               closest->quantity, closest->value, closest->bound));
+        first = end;
     }
     return text + (failures.empty() ? "" : "\nNot ok:\n\n" + failures);
 }

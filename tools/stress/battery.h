@@ -1,9 +1,12 @@
 // The stress battery: stiff and extreme cases, each with a bound that has a cause.
 #pragma once
 
+#include <complex>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include <miebrdf/solver.h>
 
 namespace miebrdf::stress {
 
@@ -18,21 +21,34 @@ struct Check {
     bool ok() const { return value <= bound; }  // not-a-number is not ok
 };
 
+/// The checks of one case are added here.
+class Case {
+  public:
+    Case(std::string suite, std::string name, std::vector<Check>& checks)
+        : suite_(std::move(suite)), name_(std::move(name)), checks_(checks) {}
+
+    /// value <= bound must hold.
+    void at_most(const std::string& quantity, double value, double bound,
+                 const std::string& cause) const {
+        checks_.push_back({suite_, name_, quantity, value, bound, cause});
+    }
+
+  private:
+    std::string suite_, name_;
+    std::vector<Check>& checks_;
+};
+
 /// Collects the checks of one suite.
 class Log {
   public:
     Log(std::string suite, std::vector<Check>& checks)
         : suite_(std::move(suite)), checks_(checks) {}
 
-    /// value <= bound must hold.
-    void at_most(const std::string& test_case, const std::string& quantity, double value,
-                 double bound, const std::string& cause);
+    /// `action` adds checks to the case; if it throws, that itself is a failed check.
+    void run(const std::string& test_case, const std::function<void(const Case&)>& action);
 
     /// `action` must throw std::exception: 0 if it does, 1 if it returns something.
     void refused(const std::string& test_case, const std::function<void()>& action);
-
-    /// `action` fills in checks; if it throws, that itself is a failed check.
-    void run(const std::string& test_case, const std::function<void()>& action);
 
   private:
     std::string suite_;
@@ -46,6 +62,33 @@ double outside(double value, double low, double high);
 double relative_difference(double a, double b);
 /// The largest of them over two lists of one length; NaN if one of them is.
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b);
+/// Likewise, over the largest value of `a`.
+double largest_jump(const std::vector<double>& a, const std::vector<double>& b);
+
+/// The largest of `of` over a list, at least 0; NaN if one of them is.
+template <typename List, typename Of>
+double worst(const List& list, const Of& of) {
+    double largest = 0;
+    for (const auto& one : list) {
+        const double value = of(one);
+        if (!(value <= largest)) largest = value;
+    }
+    return largest;
+}
+
+/// R of which each value has a partner with incident and outgoing direction exchanged, from equal
+/// lists of both: calls see(R, partner).
+template <typename See>
+void see_reciprocal(const std::vector<double>& R, std::size_t cosines, std::size_t azimuths,
+                    const See& see) {
+    for (std::size_t i = 0; i < cosines; ++i)
+        for (std::size_t o = 0; o < cosines; ++o)
+            for (std::size_t a = 0; a < azimuths; ++a)
+                see(R[(i * cosines + o) * azimuths + a], R[(o * cosines + i) * azimuths + a]);
+}
+
+/// "1.5+0.1i".
+std::string text_of(std::complex<double> index);
 
 /// Two neighbouring values of a parameter with different methods (or grids) behind them.
 struct SwitchPoint {
@@ -59,28 +102,30 @@ struct SwitchPoint {
 std::vector<SwitchPoint> find_switches(double from, double to, int steps,
                                        const std::function<long(double)>& state);
 
-struct Options {
-    bool fast = false;  ///< leave out what takes longest: photons, many nodes, sharp peaks
-};
+/// @param fast  leave out what takes longest: photons, many nodes, sharp peaks
+using SuiteFunction = void(Log& log, bool fast);
 
-void spheres(const Options& options, std::vector<Check>& checks);
-void ensembles(const Options& options, std::vector<Check>& checks);
-void half_spaces(const Options& options, std::vector<Check>& checks);
-void coats(const Options& options, std::vector<Check>& checks);
-void boundaries(const Options& options, std::vector<Check>& checks);
-void surfaces(const Options& options, std::vector<Check>& checks);
-void materials(const Options& options, std::vector<Check>& checks);
-void refusals(const Options& options, std::vector<Check>& checks);
-void photons(const Options& options, std::vector<Check>& checks);
-void sphere_switches(const Options& options, std::vector<Check>& checks);
-void transfer_switches(const Options& options, std::vector<Check>& checks);
+SuiteFunction spheres, ensembles, half_spaces, coats, boundaries, surfaces, materials, refusals,
+    photons, sphere_switches, transfer_switches;
 /// Random scenes: no converged result misses its tolerance.
-void promises(const Options& options, std::vector<Check>& checks);
+SuiteFunction promises;
 
-/// Everything, suite by suite.
-/// @param watch  called with the name of each suite before it is run
-std::vector<Check> run_battery(const Options& options,
-                               const std::function<void(const std::string&)>& watch = {});
+struct Suite {
+    const char* name;
+    SuiteFunction* run;
+};
+inline constexpr Suite kSuites[] = {{"spheres", spheres},
+                                    {"ensembles", ensembles},
+                                    {"half-spaces", half_spaces},
+                                    {"coats", coats},
+                                    {"boundaries", boundaries},
+                                    {"surfaces", surfaces},
+                                    {"materials", materials},
+                                    {"refusals", refusals},
+                                    {"photons", photons},
+                                    {"sphere switches", sphere_switches},
+                                    {"transfer switches", transfer_switches},
+                                    {"promises", promises}};
 
 /// Markdown: checks and failures by suite, then each failure.
 std::string tally(const std::vector<Check>& checks);

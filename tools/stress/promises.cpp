@@ -16,10 +16,8 @@
 
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/radial_functions.h"
-#include "rte/stack/layered_reflection.h"
-#include "tools/bench/discrete_problem.h"
+#include "tools/bench/scenes.h"
 #include "tools/stress/battery.h"
-#include "tools/stress/dice.h"
 #include "tools/stress/random_media.h"
 
 namespace miebrdf::stress {
@@ -58,13 +56,16 @@ struct Promises {
     }
 
     void judge(Log& log, const std::string& kind) const {
-        const std::string name = fmt::format("{}: {} scenes, {} converged, worst {:.2g} times: {}",
-                                             kind, scenes, converged, worst, worst_scene);
-        log.at_most(name, "converged results beyond the tolerance", missed,
-                    std::max(2.0, 0.01 * converged), "one in a hundred: estimates are statistics");
-        log.at_most(name, "converged results beyond three times the tolerance", missed_by_3, 1,
-                    "one in all, thin conservative coats at 1e-6 and glories under a coat at 1e-4 "
-                    "(docs/accuracy.md)");
+        log.run(fmt::format("{}: {} scenes, {} converged, worst {:.2g} times: {}", kind, scenes,
+                            converged, worst, worst_scene),
+                [&](const Case& is) {
+                    is.at_most("converged results beyond the tolerance", missed,
+                               std::max(2.0, 0.01 * converged),
+                               "one in a hundred: estimates are statistics");
+                    is.at_most("converged results beyond three times the tolerance", missed_by_3, 1,
+                               "one in all, thin conservative coats at 1e-6 and glories under a "
+                               "coat at 1e-4 (docs/accuracy.md)");
+                });
     }
 };
 
@@ -86,22 +87,6 @@ std::string text_of(const Directions& d) {
     return text;
 }
 
-bench::MomentStack moments_of(const rte::Stack& stack) {
-    bench::MomentStack layers;
-    const auto add = [&](const rte::Optics& o, double depth) {
-        auto phase = o.phase;
-        if (!phase) {
-            const double second = o.chi.size() > 2 ? o.chi[2] : 0.0;
-            phase = [second](double x) { return 1 + 5 * second * (1.5 * x * x - 0.5); };
-        }
-        layers.push_back({o.single_scattering_albedo, o.chi, phase, depth});
-    };
-    for (auto coat = stack.coats.rbegin(); coat != stack.coats.rend(); ++coat)
-        add(coat->optics, coat->optical_depth);
-    add(stack.base, std::numeric_limits<double>::infinity());
-    return layers;
-}
-
 enum class Smooth { half_spaces, coats, thin_coats };
 
 const char* name_of(Smooth kind) {
@@ -121,10 +106,10 @@ Directions grazing_directions(Dice& dice) {
     return {cosines(), cosines(), {0.0, dice.uniform(0.0, 180.0)}};
 }
 
-void smooth(const Options& options, Log& log, Smooth kind) {
+void smooth(bool fast, Log& log, Smooth kind) {
     const bool coated = kind != Smooth::half_spaces, thin = kind == Smooth::thin_coats;
     Dice dice(kind == Smooth::half_spaces ? 10 : thin ? 50 : 20);
-    const int scenes = thin ? (options.fast ? 30 : 2000) : options.fast ? 60 : 400;
+    const int scenes = thin ? (fast ? 30 : 2000) : fast ? 60 : 400;
     std::map<double, Promises> promises;
     double reference_error = 0;
     for (int s = 0; s < scenes; ++s) {
@@ -154,18 +139,19 @@ void smooth(const Options& options, Log& log, Smooth kind) {
         // Adding-doubling is asked where Gauss nodes and 64 moments are enough; the first doubled
         // layer loses 1e-8 or so.
         if (s % 20 == 0 && least(directions.mu_in) > 0.1 && least(directions.mu_out) > 0.1) {
-            const auto other = bench::sum_orders(
-                moments_of(stack), 32, directions.mu_in, directions.mu_out, directions.azimuth_deg,
-                [](const bench::Order& o) { return bench::adding_doubling(o); });
+            const auto other =
+                bench::sum_orders(bench::moments_of(stack), 32, directions,
+                                  [](const bench::Order& o) { return bench::adding_doubling(o); });
             reference_error = std::max(reference_error, error_of(other, truth, block));
         }
     }
     for (const auto& [tolerance, promise] : promises) {
         promise.judge(log, fmt::format("smooth {} at {:.0e}", name_of(kind), tolerance));
     }
-    log.at_most(fmt::format("smooth {}", name_of(kind)),
-                "the truth against adding-doubling on 32 Gauss nodes", reference_error, 1e-4,
-                "these nodes at g up to 0.85 (docs/accuracy.md)");
+    log.run(fmt::format("smooth {}", name_of(kind)), [&](const Case& is) {
+        is.at_most("the truth against adding-doubling on 32 Gauss nodes", reference_error, 1e-4,
+                   "these nodes at g up to 0.85 (docs/accuracy.md)");
+    });
 }
 
 std::string random_spheres(Dice& dice) {
@@ -176,9 +162,9 @@ std::string random_spheres(Dice& dice) {
                        dice.chance(0.5) ? "power-law" : "gamma");
 }
 
-void spheres_in_layers(const Options& options, Log& log) {
+void spheres_in_layers(bool fast, Log& log) {
     Dice dice(30);
-    const int scenes = options.fast ? 12 : 120;
+    const int scenes = fast ? 12 : 120;
     std::map<double, Promises> promises;
     for (int s = 0; s < scenes; ++s) {
         const bool spheres_below = dice.chance(0.7);
@@ -290,10 +276,10 @@ std::vector<SummedPhase> sum_over_spheres(const PowerLawSpheres& spheres, int pi
 }
 
 /// The error stated of each point of P, allowing for twice the noise of the reference.
-void points_of_phase(const Options& options, Log& log) {
+void points_of_phase(bool fast, Log& log) {
     // 44: two of its values at 1e-2 are ones at which families of sizes agree by chance.
-    Dice dice(options.fast ? 44 : 40);
-    const int averages = options.fast ? 8 : 90, pieces = options.fast ? 4000 : 10000;
+    Dice dice(fast ? 44 : 40);
+    const int averages = fast ? 8 : 90, pieces = fast ? 4000 : 10000;
     std::map<double, Promises> promises;
     for (int s = 0; s < averages; ++s) {
         const PowerLawSpheres spheres = random_power_law(dice);
@@ -318,25 +304,26 @@ void points_of_phase(const Options& options, Log& log) {
         }
     }
     for (const auto& [tolerance, promise] : promises) {
-        const std::string name =
-            fmt::format("points of P at {:.0e}: {} values, worst {:.2g} times: {}", tolerance,
-                        promise.scenes, promise.worst, promise.worst_scene);
-        log.at_most(name, "values beyond the error stated", promise.missed,
-                    std::max(1.0, 0.01 * promise.scenes),
-                    "one in a hundred: estimates are statistics");
-        log.at_most(name, "values beyond three times the error stated", promise.missed_by_3, 0,
-                    "what the estimate is made of does not agree by chance all together");
+        log.run(fmt::format("points of P at {:.0e}: {} values, worst {:.2g} times: {}", tolerance,
+                            promise.scenes, promise.worst, promise.worst_scene),
+                [&, &of = promise](const Case& is) {
+                    is.at_most("values beyond the error stated", of.missed,
+                               std::max(1.0, 0.01 * of.scenes),
+                               "one in a hundred: estimates are statistics");
+                    is.at_most("values beyond three times the error stated", of.missed_by_3, 0,
+                               "what the estimate is made of does not agree by chance all "
+                               "together");
+                });
     }
 }
 
 }  // namespace
 
-void promises(const Options& options, std::vector<Check>& checks) {
-    Log log("promises", checks);
+void promises(Log& log, bool fast) {
     for (const Smooth kind : {Smooth::half_spaces, Smooth::coats, Smooth::thin_coats})
-        log.run(name_of(kind), [&] { smooth(options, log, kind); });
-    log.run("spheres", [&] { spheres_in_layers(options, log); });
-    log.run("points of P", [&] { points_of_phase(options, log); });
+        log.run(name_of(kind), [&](const Case&) { smooth(fast, log, kind); });
+    log.run("spheres", [&](const Case&) { spheres_in_layers(fast, log); });
+    log.run("points of P", [&](const Case&) { points_of_phase(fast, log); });
 }
 
 }  // namespace miebrdf::stress

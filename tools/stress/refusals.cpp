@@ -13,124 +13,97 @@
 namespace miebrdf::stress {
 namespace {
 
+using Index = std::complex<double>;
+
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Each of the values must be refused.
+/// @param name  of the case, with the place of the value
+template <typename Value, typename Request>
+void refuse(Log& log, const char* name, std::initializer_list<Value> values,
+            const Request& request) {
+    for (const Value& bad : values)
+        log.refused(fmt::format(fmt::runtime(name), bad), [&] { request(bad); });
+}
+
 void refuse_spheres(Log& log) {
-    for (const double x : {0.0, -1.0, kNaN, kInfinity}) {
-        log.refused(fmt::format("sphere of size parameter {}", x), [=] {
-            mie::scatter_by_sphere({1.5, 0}, x);
-        });
-    }
-    for (const std::complex<double> m : {std::complex<double>(0, 0),
-                                         {-1, 0},
-                                         {1.5, -0.1},
-                                         {kNaN, 0},
-                                         {1.5, kNaN},
-                                         {kInfinity, 0},
-                                         {1000, 1},
-                                         {1, 1e5}}) {
-        log.refused(fmt::format("sphere of index {}+{}i", m.real(), m.imag()),
-                    [=] { mie::scatter_by_sphere(m, 1); });
-    }
-    const auto ensemble = [&log](const std::string& name, auto change) {
-        log.refused("ensemble, " + name, [change] {
+    refuse(log, "sphere of size parameter {}", {0.0, -1.0, kNaN, kInfinity}, [](double x) {
+        mie::scatter_by_sphere({1.5, 0}, x);
+    });
+    for (const Index m : {Index(0, 0), Index(-1, 0), Index(1.5, -0.1), Index(kNaN, 0),
+                          Index(1.5, kNaN), Index(kInfinity, 0), Index(1000, 1), Index(1, 1e5)})
+        log.refused("sphere of index " + text_of(m), [=] { mie::scatter_by_sphere(m, 1); });
+    const auto with = [](auto change) {
+        return [change](double bad) {
             mie::EnsembleRequest request;
             request.refractive_index = {1.5, 0};
             request.sizes.effective_radius_um = 0.1;
-            change(request);
+            change(request, bad);
             mie::average_over_sizes(request);
-        });
+        };
     };
-    for (const double bad : {0.0, -1.0, kNaN, kInfinity}) {
-        ensemble(fmt::format("radius {}", bad),
-                 [=](auto& r) { r.sizes.effective_radius_um = bad; });
-        ensemble(fmt::format("variance {}", bad),
-                 [=](auto& r) { r.sizes.effective_variance = bad; });
-        ensemble(fmt::format("wavelength {}", bad), [=](auto& r) { r.wavelength_nm = bad; });
-        ensemble(fmt::format("host index {}", bad), [=](auto& r) { r.host_index = bad; });
-    }
-    for (const double bad : {-1.0, 181.0, kNaN}) {
-        ensemble(fmt::format("angle {}", bad), [=](auto& r) { r.angles_deg = {bad}; });
-    }
+    const auto numbers = {0.0, -1.0, kNaN, kInfinity};
+    refuse(log, "ensemble, radius {}", numbers,
+           with([](auto& r, double bad) { r.sizes.effective_radius_um = bad; }));
+    refuse(log, "ensemble, variance {}", numbers,
+           with([](auto& r, double bad) { r.sizes.effective_variance = bad; }));
+    refuse(log, "ensemble, wavelength {}", numbers,
+           with([](auto& r, double bad) { r.wavelength_nm = bad; }));
+    refuse(log, "ensemble, host index {}", numbers,
+           with([](auto& r, double bad) { r.host_index = bad; }));
+    refuse(log, "ensemble, angle {}", {-1.0, 181.0, kNaN},
+           with([](auto& r, double bad) { r.angles_deg = {bad}; }));
 }
 
 void refuse_transfer(Log& log) {
-    for (const double bad : {-1e-9, 1.0000001, kNaN, kInfinity}) {
-        log.refused(fmt::format("albedo {}", bad), [=] {
-            rte::Stack stack;
-            stack.base.single_scattering_albedo = bad;
-            rte::albedo(stack, {0.5});
-        });
-    }
-    for (const double bad : {-1.0, 1.0, 2.0, kNaN}) {
-        log.refused(fmt::format("asymmetry {}", bad),
-                    [=] { rte::henyey_greenstein_optics(0.9, bad); });
-    }
     const rte::Stack good{rte::isotropic_optics(0.9)};
-    for (const double bad : {0.0, -0.5, 1.0000001, kNaN}) {
-        log.refused(fmt::format("mu_in {}", bad), [=] { rte::reflect(good, {{bad}, {0.5}, {0}}); });
-        log.refused(fmt::format("mu_out {}", bad), [=] {
-            rte::reflect(good, {{0.5}, {bad}, {0}});
-        });
-        log.refused(fmt::format("plane albedo at {}", bad), [=] { rte::albedo(good, {bad}); });
-    }
-    for (const double bad : {kNaN, kInfinity}) {
-        log.refused(fmt::format("azimuth {}", bad), [=] {
-            rte::reflect(good, {{0.5}, {0.5}, {bad}});
-        });
-    }
-    for (const double bad : {-1.0, kNaN}) {
-        log.refused(fmt::format("optical depth {}", bad), [=] {
+    const auto with = [=](auto change) {
+        return [=](double bad) {
             rte::Stack stack = good;
-            stack.coats.push_back({rte::isotropic_optics(0.5), bad});
+            change(stack, bad);
             rte::albedo(stack, {0.5});
-        });
-    }
-    for (const int bad : {-1, 1, 257}) {
-        log.refused(fmt::format("{} streams", bad),
-                    [=] { rte::albedo(good, {0.5}, {.streams = bad}); });
-    }
-    for (const double bad : {0.0, -1.0, 1.0, kNaN}) {
-        log.refused(fmt::format("tolerance {}", bad),
-                    [=] { rte::albedo(good, {0.5}, {.tolerance = bad}); });
-    }
-    log.refused("chi_0 other than 1", [=] {
-        rte::Stack stack = good;
-        stack.base.chi = {0.5};
-        rte::albedo(stack, {0.5});
+        };
+    };
+    refuse(log, "albedo {}", {-1e-9, 1.0000001, kNaN, kInfinity},
+           with([](auto& s, double bad) { s.base.single_scattering_albedo = bad; }));
+    refuse(log, "asymmetry {}", {-1.0, 1.0, 2.0, kNaN},
+           [](double bad) { rte::henyey_greenstein_optics(0.9, bad); });
+    const auto cosines = {0.0, -0.5, 1.0000001, kNaN};
+    refuse(log, "mu_in {}", cosines, [&](double mu) { rte::reflect(good, {{mu}, {0.5}, {0}}); });
+    refuse(log, "mu_out {}", cosines, [&](double mu) { rte::reflect(good, {{0.5}, {mu}, {0}}); });
+    refuse(log, "plane albedo at {}", cosines, [&](double mu) { rte::albedo(good, {mu}); });
+    refuse(log, "azimuth {}", {kNaN, kInfinity}, [&](double bad) {
+        rte::reflect(good, {{0.5}, {0.5}, {bad}});
     });
-    log.refused("|chi_1| above 1", [=] {
-        rte::Stack stack = good;
-        stack.base.chi = {1, 1.5};
-        rte::albedo(stack, {0.5});
-    });
+    refuse(log, "optical depth {}", {-1.0, kNaN}, with([](auto& s, double bad) {
+               s.coats.push_back({rte::isotropic_optics(0.5), bad});
+           }));
+    refuse(log, "{} streams", {-1, 1, 257},
+           [&](int bad) { rte::albedo(good, {0.5}, {.streams = bad}); });
+    refuse(log, "tolerance {}", {0.0, -1.0, 1.0, kNaN},
+           [&](double bad) { rte::albedo(good, {0.5}, {.tolerance = bad}); });
+    refuse(log, "chi_0 other than 1", {0.5}, with([](auto& s, double bad) { s.base.chi = {bad}; }));
+    refuse(log, "|chi_1| above 1", {1.5}, with([](auto& s, double bad) { s.base.chi = {1, bad}; }));
 }
 
 void refuse_surfaces(Log& log) {
-    for (const double bad : {0.0, 1e-5, 5.0, kNaN}) {
-        log.refused(fmt::format("roughness {}", bad), [=] {
-            rte::SurfaceOptions options;
-            options.beckmann_alpha = bad;
-            rte::directional_reflectance({1.5, 0}, options, 0.5);
-        });
-    }
-    for (const std::complex<double> m :
-         {std::complex<double>(0, 0), {1.5, -1}, {kNaN, 0}, {1.5, kInfinity}}) {
-        log.refused(fmt::format("surface of index {}+{}i", m.real(), m.imag()),
+    refuse(log, "roughness {}", {0.0, 1e-5, 5.0, kNaN}, [](double bad) {
+        rte::SurfaceOptions options;
+        options.beckmann_alpha = bad;
+        rte::directional_reflectance({1.5, 0}, options, 0.5);
+    });
+    for (const Index m : {Index(0, 0), Index(1.5, -1), Index(kNaN, 0), Index(1.5, kInfinity)})
+        log.refused("surface of index " + text_of(m),
                     [=] { rte::directional_reflectance(m, {}, 0.5); });
-    }
-    for (const double bad : {0.0, -1.0, 1.1, kNaN}) {
-        log.refused(fmt::format("rho at cosine {}", bad), [=] {
-            rte::directional_reflectance({1.5, 0}, {}, bad);
-        });
-    }
+    refuse(log, "rho at cosine {}", {0.0, -1.0, 1.1, kNaN}, [](double mu) {
+        rte::directional_reflectance({1.5, 0}, {}, mu);
+    });
 }
 
 }  // namespace
 
-void refusals(const Options&, std::vector<Check>& checks) {
-    Log log("refusals", checks);
+void refusals(Log& log, bool) {
     refuse_spheres(log);
     refuse_transfer(log);
     refuse_surfaces(log);

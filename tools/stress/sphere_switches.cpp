@@ -20,22 +20,20 @@ using Index = std::complex<double>;
 
 // Both sides of a switch, one by one and in the vectors that averages over sizes use.
 void compare_spheres(Log& log, const std::string& what, Index m, const SwitchPoint& at) {
-    const std::string name =
-        fmt::format("{}, m {}+{}i, x {:.6g}", what, m.real(), m.imag(), at.below);
-    log.run(name, [&] {
+    log.run(fmt::format("{}, m {}, x {:.6g}", what, text_of(m), at.below), [&](const Case& is) {
         const auto a = mie::scatter_by_sphere(m, at.below), b = mie::scatter_by_sphere(m, at.above);
-        log.at_most(
-            name, "jump of q_sca, q_ext, g",
+        is.at_most(
+            "jump of q_sca, q_ext, g",
             std::max({relative_difference(a.q_sca, b.q_sca), relative_difference(a.q_ext, b.q_ext),
                       std::abs(a.asymmetry - b.asymmetry)}),
             2e-12 + 4e-16 / std::abs(m - 1.0), "1e-12 on each side as documented; digits of m - 1");
         for (const auto& [x, one] : {std::pair(at.below, a), std::pair(at.above, b)}) {
             const double size[] = {x}, weight[] = {1};
             const auto sums = mie::compute_spheres(m, size, weight, nullptr);
-            log.at_most(name, "q_sca of the vectors against the single sphere",
-                        relative_difference(2 * sums.scattered / (x * x), one.q_sca),
-                        1e-11 + 4e-16 / std::abs(m - 1.0),
-                        "1e-11 as documented for the vectors; digits of m - 1");
+            is.at_most("q_sca of the vectors against the single sphere",
+                       relative_difference(2 * sums.scattered / (x * x), one.q_sca),
+                       1e-11 + 4e-16 / std::abs(m - 1.0),
+                       "1e-11 as documented for the vectors; digits of m - 1");
         }
     });
 }
@@ -86,7 +84,7 @@ mie::EnsembleRequest request_of(Index m, double radius_um, double tolerance, int
 
 void compare_ensembles(Log& log, const std::string& name, const mie::EnsembleRequest& below,
                        const mie::EnsembleRequest& above) {
-    log.run(name, [&] {
+    log.run(name, [&](const Case& is) {
         const auto a = mie::average_over_sizes(below), b = mie::average_over_sizes(above);
         double jump =
             std::max({relative_difference(a.q_ext, b.q_ext), std::abs(a.asymmetry - b.asymmetry),
@@ -94,17 +92,17 @@ void compare_ensembles(Log& log, const std::string& name, const mie::EnsembleReq
         for (std::size_t l = 0; l < std::min(a.chi.size(), b.chi.size()); ++l) {
             jump = std::max(jump, std::abs(a.chi[l] - b.chi[l]));
         }
-        log.at_most(name, "jump of q_ext, albedo and moments", jump,
-                    2 * (std::max(below.tolerance, a.error_estimate) +
-                         std::max(above.tolerance, b.error_estimate)),
-                    "two averages; moments err by up to twice their estimate in 95 % of "
-                    "transparent ensembles (mie/ensemble/ensemble_average.cpp)");
+        is.at_most("jump of q_ext, albedo and moments", jump,
+                   2 * (std::max(below.tolerance, a.error_estimate) +
+                        std::max(above.tolerance, b.error_estimate)),
+                   "two averages; moments err by up to twice their estimate in 95 % of "
+                   "transparent ensembles (mie/ensemble/ensemble_average.cpp)");
     });
 }
 
-void check_ensembles(Log& log, const Options& options) {
+void check_ensembles(Log& log, bool fast) {
     const double per_um = 2 * std::numbers::pi / 0.55;
-    const double radius = options.fast ? 2 : 10;
+    const double radius = fast ? 2 : 10;
     // Size parameters where resonances are damped (k x = 1), and where spheres are small (x = 3).
     const double k = 1 / (per_um * radius);
     const double small = 3 / per_um / mie::radius_range({}).largest_um * 50;
@@ -120,7 +118,7 @@ void check_ensembles(Log& log, const Options& options) {
         }
     }
     for (const Index m : {Index(1.5, 0), Index(3.3, 0.02)}) {
-        const std::string medium = fmt::format("m {}+{}i", m.real(), m.imag());
+        const std::string medium = fmt::format("m {}", text_of(m));
         compare_ensembles(log, "moments from the phase table beyond 200, " + medium,
                           request_of(m, radius, 1e-3, 200), request_of(m, radius, 1e-3, 201));
         compare_ensembles(log, "moments from the table down to tolerance 1e-5, " + medium,
@@ -145,38 +143,37 @@ double largest_jump(const Function& f, double a, double b) {
     return relative_difference(at_a, at_b);
 }
 
-void check_panels(Log& log, const Options& options) {
+void check_panels(Log& log, bool fast) {
     for (const Index m : {Index(1.5, 0), Index(2.6, 0), Index(3.3, 0.02)}) {
-        for (const double radius : {1.0, options.fast ? 2.0 : 10.0}) {
-            const std::string name =
-                fmt::format("phase function of {} um, m {}+{}i", radius, m.real(), m.imag());
-            log.run(name, [&] {
-                auto request = request_of(m, radius, 1e-3, 8);
-                request.with_phase_table = true;
-                const auto table = mie::average_over_sizes(request).phase_table;
-                const auto at = [&](double theta) { return (*table)(std::cos(theta)); };
-                double worst = 0;
-                constexpr int intervals = 1000;
-                const double width = std::numbers::pi / intervals;
-                for (int i = 0; i < intervals; ++i) {
-                    const double jump = largest_jump(at, i * width, (i + 1) * width);
-                    if (!(jump <= worst)) worst = jump;
-                }
-                log.at_most(name, "largest jump from panel to panel, relative", worst, 1e-9,
+        for (const double radius : {1.0, fast ? 2.0 : 10.0}) {
+            log.run(fmt::format("phase function of {} um, m {}", radius, text_of(m)),
+                    [&](const Case& is) {
+                        auto request = request_of(m, radius, 1e-3, 8);
+                        request.with_phase_table = true;
+                        const auto table = mie::average_over_sizes(request).phase_table;
+                        const auto at = [&](double theta) { return (*table)(std::cos(theta)); };
+                        double worst = 0;
+                        constexpr int intervals = 1000;
+                        const double width = std::numbers::pi / intervals;
+                        for (int i = 0; i < intervals; ++i) {
+                            const double jump = largest_jump(at, i * width, (i + 1) * width);
+                            if (!(jump <= worst)) worst = jump;
+                        }
+                        is.at_most(
+                            "largest jump from panel to panel, relative", worst, 1e-9,
                             "neighbours share the value at their edge: rounding, and the slope "
                             "over 1e-13 rad");
-            });
+                    });
         }
     }
 }
 
 }  // namespace
 
-void sphere_switches(const Options& options, std::vector<Check>& checks) {
-    Log log("sphere switches", checks);
+void sphere_switches(Log& log, bool fast) {
     check_spheres(log);
-    check_ensembles(log, options);
-    check_panels(log, options);
+    check_ensembles(log, fast);
+    check_panels(log, fast);
 }
 
 }  // namespace miebrdf::stress

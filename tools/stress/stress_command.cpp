@@ -26,8 +26,12 @@ Table table_of(const std::vector<stress::Check>& checks) {
 }
 
 int run(const StressArguments& arguments, const Shell& shell) {
-    const auto checks = stress::run_battery({.fast = arguments.fast},
-                                            [&](const std::string& suite) { shell.note(suite); });
+    std::vector<stress::Check> checks;
+    for (const stress::Suite& suite : stress::kSuites) {
+        shell.note(suite.name);
+        stress::Log log(suite.name, checks);
+        suite.run(log, arguments.fast);
+    }
     shell.write(table_of(checks));
     int failed = 0;
     for (const auto& c : checks) {
