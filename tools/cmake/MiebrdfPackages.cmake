@@ -24,6 +24,8 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "The program miebrdf, its man page and completions, and the library that other programs load.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_GENERATE_SHLIBS ON)  # ldconfig after installation
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "miebrdf-extras")
+set(opened "libzip4 | libzip5 | libzip4t64")  # by name, where dpkg-shlibdeps does not see it
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${opened}")
 
 set(CPACK_DEBIAN_EXTRAS_PACKAGE_NAME miebrdf-extras)
 set(CPACK_COMPONENT_EXTRAS_DESCRIPTION
@@ -55,7 +57,7 @@ if(TARGET miebrdf_python)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-miebrdf)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
     set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package miebrdf: ${PROJECT_DESCRIPTION}.")
-    set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3-numpy, \
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${opened}, python3-numpy, \
 python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next})")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "miebrdf-extras, python3-matplotlib, python3-xarray")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tqdm")

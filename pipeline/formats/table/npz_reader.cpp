@@ -1,12 +1,12 @@
 // NumPy archives of ours, read without trusting them.
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <charconv>
 #include <memory>
 
 #include "pipeline/formats/common/byte_reader.h"
 #include "pipeline/formats/common/grid_file.h"
+#include "pipeline/formats/table/late_zip.h"
 #include "pipeline/formats/table/npz.h"
 
 namespace miebrdf {

@@ -1,6 +1,5 @@
 // npz: NumPy's archive of arrays. docs/formats/table.md
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <bit>
 #include <cerrno>
@@ -9,6 +8,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "pipeline/formats/table/late_zip.h"
 #include "pipeline/formats/table/npz.h"
 #include "pipeline/formats/table/tabulate.h"
 
