@@ -66,6 +66,6 @@ build_preset() {
     say "configuring and building preset '$1' ($(nproc) processors)"
     configure_preset "$1"
     local started=$SECONDS
-    cmake --build --preset "$1" --target "$2"
+    cmake --build --preset "$1" --target "$2" --parallel "$(nproc)"
     say "built in $((SECONDS - started)) s"
 }
