@@ -93,11 +93,11 @@ struct Box {
     }
 };
 
-/// Where a name may stand beside a point: left or right of it, a little lower or higher.
+/// Where a name may stand near a point: left or right of it, lower or higher.
 std::vector<Box> places_beside(const Point& point, const std::string& text) {
     const double width = SvgDrawing::text_width(text, kNameSize), height = kNameSize;
     std::vector<Box> places;
-    for (const double rise : {0.1, 0.5, 1.0, -0.6, 1.6}) {  // of its height above the point
+    for (const double rise : {0.1, 0.5, 1.0, -0.6, 1.6, 2.2, -1.2}) {  // heights above the point
         const double top = point.y - rise * height;
         places.push_back({point.x - 6 - width, top, point.x - 6, top + height});
         places.push_back({point.x + 6, top, point.x + 6 + width, top + height});
@@ -108,25 +108,41 @@ std::vector<Box> places_beside(const Point& point, const std::string& text) {
 }  // namespace
 
 void draw_names(SvgDrawing& drawing, const Placed& p) {
-    std::vector<Box> taken;
+    std::vector<Box> taken, lines;
+    const auto around = [](const Point& at, double half) -> Box {
+        return {at.x - half, at.y - half, at.x + half, at.y + half};
+    };
     for (const Curve& curve : p.panel.curves) {
-        if (curve.mark == Mark::line) continue;
         for (std::size_t i = 0; i < curve.x.size(); ++i) {
             const Point point = p.at(curve.x[i], curve.y[i]);
-            taken.push_back({point.x - 4, point.y - 4, point.x + 4, point.y + 4});
+            if (curve.mark != Mark::line) taken.push_back(around(point, 4));
+            if (i == 0 || curve.mark == Mark::points) continue;
+            const Point last = p.at(curve.x[i - 1], curve.y[i - 1]);
+            const double steps = std::hypot(point.x - last.x, point.y - last.y) / 3.0;
+            for (double s = 0; s < steps; ++s)
+                lines.push_back(around({last.x + (point.x - last.x) * s / steps,
+                                        last.y + (point.y - last.y) * s / steps},
+                                       1));
         }
     }
     for (const PointName& name : p.panel.names) {
-        for (const Box& place : places_beside(p.at(name.x, name.y), name.text)) {
-            const bool inside = place.left >= p.left && place.right <= p.right &&
-                                place.top >= p.top && place.bottom <= p.bottom;
+        const auto is_free = [&](const Box& place, bool beside_lines) {
             const auto hides = [&](const Box& other) { return place.meets(other); };
-            if (!inside || std::any_of(taken.begin(), taken.end(), hides)) continue;
-            drawing.text({place.left, place.bottom - 1}, name.text,
-                         {kNameSize, Anchor::start, 0, curve_stroke(name.colour).colour});
-            taken.push_back(place);
-            break;
+            return place.left >= p.left && place.right <= p.right && place.top >= p.top &&
+                   place.bottom <= p.bottom && std::none_of(taken.begin(), taken.end(), hides) &&
+                   !(beside_lines && std::any_of(lines.begin(), lines.end(), hides));
+        };
+        const std::vector<Box> places = places_beside(p.at(name.x, name.y), name.text);
+        auto place = places.end();
+        for (const bool beside_lines : {true, false}) {
+            if (place == places.end())
+                place = std::find_if(places.begin(), places.end(),
+                                     [&](const Box& b) { return is_free(b, beside_lines); });
         }
+        if (place == places.end()) continue;
+        drawing.text({place->left, place->bottom - 1}, name.text,
+                     {kNameSize, Anchor::start, 0, curve_stroke(name.colour).colour});
+        taken.push_back(*place);
     }
 }
 

@@ -68,7 +68,8 @@ struct Panel {
     std::vector<Curve> curves;
     double height = 230.0;  ///< of the plot area
     std::string note = {};  ///< in the upper left corner of the plot area
-    /// The first ones come first: those that would cover a point or an earlier name are left out.
+    /// The first ones come first: those that would cover a point, a line or an earlier name are
+    /// left out.
     std::vector<PointName> names = {};
 };
 

@@ -118,6 +118,30 @@ std::string depths_text(const Scene& scene) {
     return text;
 }
 
+/// Leaves out the phrases that all texts have at their ends, then those at their beginnings.
+void drop_common_phrases(std::vector<std::string>& texts) {
+    const auto in_all = [&](const auto& has) {
+        return std::all_of(texts.begin(), texts.end(), has);
+    };
+    for (std::size_t at = 0; at < texts.front().size(); ++at) {
+        const std::string end = texts.front().substr(at);
+        const bool is_phrase = end.starts_with(" on ") || end.starts_with(" in ") ||
+                               end.starts_with(", ") || end.starts_with(" (");
+        if (!is_phrase || !in_all([&](const std::string& t) { return t.ends_with(end); })) continue;
+        for (std::string& text : texts) text.resize(text.size() - end.size());
+        break;
+    }
+    for (std::size_t size = texts.front().size(); size > 0; --size) {
+        const std::string start = texts.front().substr(0, size);
+        const bool is_phrase =
+            start.ends_with(" on ") || start.ends_with(" + ") || start.ends_with(", ");
+        if (!is_phrase || !in_all([&](const std::string& t) { return t.starts_with(start); }))
+            continue;
+        for (std::string& text : texts) text.erase(0, size);
+        break;
+    }
+}
+
 }  // namespace
 
 std::string label_of(const Medium& medium) {
@@ -178,16 +202,17 @@ std::vector<std::string> labels_of(const std::vector<Scene>& scenes) {
     if (scenes.size() < 2) return labels;
     const bool media = differ(scenes, media_text), depths = differ(scenes, depths_text),
                bottoms = differ(scenes, bottom_text), tops = differ(scenes, top_text);
+    std::vector<std::string> whole;
+    for (const Scene& scene : scenes) whole.push_back(label_of(scene));
+    drop_common_phrases(whole);
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const Scene& scene = scenes[i];
         if (depths && !media && !bottoms && !tops) {
             labels[i] = depths_text(scene);
         } else if (tops && !media && !depths && !bottoms) {
             labels[i] = top_text(scene).empty() ? "no surface" : top_text(scene);
-        } else if (bottoms && !media && !depths && !tops && scene.layers.empty()) {
-            labels[i] = bottom_text(scene);
         } else {
-            labels[i] = label_of(scene);
+            labels[i] = whole[i];
         }
     }
     return labels;

@@ -21,7 +21,8 @@ std::string label_of(const Scene& scene);
 std::string media_of(const Scene& scene);
 
 /// One label for each scene, which says no more than what tells them apart: "τ = 0.1" and "τ = 1"
-/// where a depth alone differs, the whole scene where several things do. Empty for a single scene.
+/// where a depth alone differs, else the scene without the phrases at its ends that all scenes
+/// share. Empty for a single scene.
 std::vector<std::string> labels_of(const std::vector<Scene>& scenes);
 
 }  // namespace miebrdf

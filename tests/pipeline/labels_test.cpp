@@ -29,4 +29,14 @@ TEST_CASE("labels of several scenes say what tells them apart", "[pipeline][labe
     CHECK(labels_of({thin, rough}) == std::vector<std::string>{"no surface", "roughness 0.3"});
     CHECK(labels_of({thin, bare}) == std::vector<std::string>{"Au (\u03c4 = 0.1) on TiO2", "TiO2"});
     CHECK(labels_of({thin}) == std::vector<std::string>{""});
+    const auto paint = [](const std::string& pigment) {
+        Scene scene;
+        scene.substrate = substrate("lambert:0.9");
+        scene.layers = {layer(pigment + ",volume=5% in index:1.5@40um")};
+        return scene;
+    };
+    CHECK(labels_of({paint("Fe2O3,radius=0.1"), paint("TiO2,radius=0.2")}) ==
+          std::vector<std::string>{"Fe2O3, radius 0.1 \u00b5m", "TiO2, radius 0.2 \u00b5m"});
+    CHECK(labels_of({paint("TiO2,radius=0.1"), paint("TiO2,radius=0.2")}) ==
+          std::vector<std::string>{"radius 0.1 \u00b5m", "radius 0.2 \u00b5m"});
 }

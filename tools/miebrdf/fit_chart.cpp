@@ -149,7 +149,7 @@ plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
                        const plot::Caption& caption) {
     std::vector<Series> spectra, views;
     std::set<double> wavelengths;
-    bool any_brdf = false;
+    bool any_brdf = false, all_pass = true, none_pass = true;
     for (const FitResidual& residual : result.residuals) {
         if (!has_view(residual.measured)) continue;
         wavelengths.insert(residual.measured.wavelength_nm);
@@ -164,6 +164,7 @@ plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
         const double difference = residual.model - value.value;
         if (!has_view(value)) {
             const bool passes = value.quantity == MeasuredQuantity::transmittance;
+            (passes ? none_pass : all_pass) = false;
             Series& series = series_of(spectra, passes ? name + ", transmitted" : name);
             series.shown.push_back({value.wavelength_nm, value.value, residual.model});
             series.residual_x.push_back(value.wavelength_nm);
@@ -201,7 +202,11 @@ plot::Picture draw_fit(const FitProblem& problem, const FitResult& result,
                           .curves = std::move(residuals),
                           .height = 110.0});
     }
-    add(spectra, {.label = "wavelength [nm]"}, "share of the light", "model - measured");
+    add(spectra, {.label = "vacuum wavelength [nm]"},
+        none_pass  ? "reflectance"
+        : all_pass ? "transmittance"
+                   : "share of the light",
+        "model - measured");
     return plot::draw_chart(panels, caption);
 }
 

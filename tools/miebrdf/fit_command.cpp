@@ -211,16 +211,33 @@ void write_file(const std::string& path, const std::function<void(std::ostream&)
     file.commit();
 }
 
-/// "radius 90.6, soot 12": the numbers that wavelengths share.
-std::string title_of(const FitResult& result) {
+/// The unit in which a scene takes an unknown, with a blank: that behind "{soot}ppm".
+std::string unit_of(const FitProblem& problem, const std::string& unknown) {
+    const std::string place = "{" + unknown + "}";
+    for (const SceneText& text : problem.scene) {
+        for (const std::string& value : text.values) {
+            const std::size_t at = value.find(place), end = at + place.size();
+            if (at == std::string::npos) continue;
+            const std::string unit = value.substr(end, value.find_first_of(",@[ ", end) - end);
+            if (unit == "um" || (unit.empty() && value.substr(0, at).ends_with("radius=")))
+                return " \u00b5m";
+            return unit.empty() ? "" : " " + unit;
+        }
+    }
+    return "";
+}
+
+/// "radius = 90.6 um, soot = 12 ppm": the numbers that wavelengths share.
+std::string title_of(const FitProblem& problem, const FitResult& result) {
     std::string title;
     for (const FittedValue& value : result.values) {
         if (value.wavelength_nm) continue;
         // Two digits of the error: albedos near 1 are not 1.
         const double share = value.standard_error / std::abs(value.value);
         const int digits = share > 0.0 ? int(std::ceil(-std::log10(share))) + 1 : 4;
-        title += fmt::format("{}{} {:.{}g}", title.empty() ? "" : ", ", value.unknown, value.value,
-                             std::clamp(digits, 3, 15));
+        title +=
+            fmt::format("{}{} = {:.{}g}{}", title.empty() ? "" : ", ", value.unknown, value.value,
+                        std::clamp(digits, 3, 15), unit_of(problem, value.unknown));
     }
     return title.empty() ? "measured (circles) and fitted (lines)" : title;
 }
@@ -242,8 +259,9 @@ int run_fit(const FitProblem& problem, const FitArguments& arguments, const Shel
         write_file(arguments.spectra_file,
                    [&](std::ostream& out) { write_csv(spectra_table(result), out); });
     if (!arguments.chart_file.empty())
-        plot::save_picture(draw_fit(problem, result, {title_of(result), shell.command_line()}),
-                           arguments.chart_file);
+        plot::save_picture(
+            draw_fit(problem, result, {title_of(problem, result), shell.command_line()}),
+            arguments.chart_file);
     shell.write(fit_table(problem, result, shell.common().json));
     for (const std::string& line : result.undetermined) shell.note(line);
     for (const std::string& line : result.notes) shell.note(line);

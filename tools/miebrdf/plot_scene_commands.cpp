@@ -120,14 +120,16 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
     const ObserverWeights weights = observer_weights(request.wavelength_nm);
 
     std::vector<plot::Spectrum> spectra;
-    // Scenes have colours, the kinds of light dashes.
+    // Scenes have colours, the kinds of light dashes; the legend has each once.
     int scene = 0;
     const auto add = [&](const ShownScene& shown, const std::string& what, int kind,
                          std::vector<double> values) {
         const LinearSrgb colour = to_linear_srgb(to_xyz(weights, values));
-        const std::string joint = shown.label.empty() || what.empty() ? "" : "; ";
-        spectra.push_back({shown.label + joint + what, request.wavelength_nm, std::move(values),
-                           colour, shown.shade, plot::Mark::line,
+        spectra.push_back({shown.label.empty() ? what
+                           : kind == 0         ? shown.label
+                                               : "",
+                           request.wavelength_nm, std::move(values), colour, shown.shade,
+                           plot::Mark::line,
                            scene % plot::kCurveColours + plot::kCurveColours * kind});
     };
     bool converged = true;
@@ -148,6 +150,17 @@ int run_spectrum(const ScenePlotArguments& arguments, const Shell& shell) {
                 std::move(plane));
         }
         ++scene;
+    }
+    for (std::size_t i = 0; scene > 1 && i <= incidence_deg.size(); ++i) {
+        const std::string kind =
+            i == 0 ? "spherical" : fmt::format("incidence {:.3g}\u00b0", incidence_deg[i - 1]);
+        spectra.push_back({"any colour: " + kind,
+                           {},
+                           {},
+                           {},
+                           {},
+                           plot::Mark::line,
+                           plot::kCurveColours * int(i)});
     }
     for (const std::string& path : arguments.points) {
         for (plot::Spectrum& points : measured_points(path, request.wavelength_nm))
