@@ -74,6 +74,7 @@ Radii radii_of(const EnsembleRequest& request, double most, const Executor& run)
 
 FixedRadii::FixedRadii(const EnsembleRequest& middle, const Radii& radii)
     : ensemble_(ensemble_of(middle)),
+      n_(middle.refractive_index.real()),
       radii_(radii),
       has_ends_(radii.rule != Rule::single && ensemble_.law().has_ends) {
     for (std::size_t i = 0; i < radii.radius_um.size(); ++i)
@@ -126,8 +127,19 @@ SpheresAtRadii FixedRadii::spheres(const EnsembleRequest& request) const {
     return at;
 }
 
+EnsembleRequest FixedRadii::with_resonances(EnsembleRequest side) const {
+    const double larger = side.refractive_index.real() / n_;
+    if (radii_.rule == Rule::even && ensemble_.law().analytic && !has_ends_ &&
+        ensemble_.scatterer.is_plain() && side.coatings.empty()) {
+        side.sizes.effective_radius_um *= larger;
+        side.wavelength_nm *= larger;
+    }
+    return side;
+}
+
 SpheresChange FixedRadii::change(const EnsembleChange& of) const {
-    SpheresChange change{spheres(of.plus), spheres(of.minus), false};
+    SpheresChange change{spheres(with_resonances(of.plus)), spheres(with_resonances(of.minus)),
+                         false};
     const auto numbers = [](const SpheresAtRadii& s) {
         std::vector<double> all{s.x_per_um, s.scatterer.relative_index.real(),
                                 s.scatterer.relative_index.imag()};

@@ -50,7 +50,13 @@ class FixedRadii {
         double radius_um, length_um, of_smallest, of_largest;
     };
 
+    /// The same optics at another scale of sizes and wavelength, at which n x of every sphere is
+    /// that of the middle: where n changes, resonances stay between the same radii, and laws weigh
+    /// them otherwise.
+    EnsembleRequest with_resonances(EnsembleRequest side) const;
+
     Ensemble ensemble_;
+    double n_;
     const Radii& radii_;
     bool has_ends_;
     std::vector<Place> places_ = {};
