@@ -149,7 +149,7 @@ void check(const Scene& scene, const std::vector<double>& wavelength_nm,
     if (!covers_the_visible(wavelength_nm)) {
         throw UsageError(
             "a contrast ratio needs at least eight wavelengths, from 430 nm or less to 650 nm or "
-            "more; write e.g. 400:700:10");
+            "more, e.g. every 10 nm from 400 to 700");
     }
     const double ratio = options.hiding_contrast_ratio;
     if (!(ratio > 0.0 && ratio < 1.0)) throw UsageError("hiding_contrast_ratio", ratio, "(0, 1)");

@@ -322,6 +322,11 @@ ColumnRole column_role(std::string_view given) {
     for (const auto& [known, of_known] : kRoles) {
         if (known == bare) role = of_known;
     }
+    if (role == Role::sample && !unit_in(name).empty()) {  // Avantes: "Sample [counts]"
+        column.role = Role::refused;
+        column.refused = "numbers of a detector";
+        return column;
+    }
     if (role) {
         column.role = *role;
         column.radians = text.find("rad") != std::string::npos;

@@ -359,6 +359,11 @@ class LongTable {
                           geometry = text(row, Role::geometry);
         if (!column.kind && !quantity.empty()) kind = quantity_of(row, quantity);
         if (!geometry.empty()) kind.geometry = geometry_of(row, geometry);
+        // As this program writes a reflectance factor of which nobody said the directions.
+        const bool is_open = find(Role::geometry) && geometry.empty() && find(Role::mu_out) &&
+                             std::isnan(plain(row, Role::mu_out));
+        if (is_open && kind == measured_kind("reflectance_factor"))
+            kind.geometry = MeasuredGeometry::unknown;
         return kind;
     }
     MeasuredKind quantity_of(const SheetRow& row, const std::string& word) const {

@@ -159,10 +159,11 @@ std::vector<std::string> with_empty_fields(const TextTable& table, std::size_t e
     return fields;
 }
 
-SheetCell cell_of(TextTable& table, const std::string& text) {
+/// Names of samples are text, whatever they look like: "1,5".
+SheetCell cell_of(TextTable& table, const std::string& text, bool is_name) {
     SheetCell cell{text};
     cell.is_missing = says_missing(text);
-    if (cell.is_missing || !materials::table_number(text)) return cell;
+    if (is_name || cell.is_missing || !materials::table_number(text)) return cell;
     cell.number = table.number(text);  // refuses decimal points mixed with commas
     cell.is_percent = text.ends_with('%');
     return cell;
@@ -274,6 +275,7 @@ Sheet read_sheet(const MeasuredFile& file) {
     const std::size_t axis = axis_column(sheet);
     const int last_numbers = last_line_of_numbers(table, axis);
     std::size_t cells = 0;
+    std::vector<bool> is_name;
     while (table.next()) {
         std::vector<std::string> fields = table.fields();
         if (sheet.names.empty() && sheet.rows.empty() && is_remark(table)) {
@@ -308,8 +310,15 @@ Sheet read_sheet(const MeasuredFile& file) {
                             fields.size(), expected));
         }
         materials::ReadingBudget::require_values(cells += fields.size(), file.path, table.line());
+        while (is_name.size() < fields.size()) {
+            const std::size_t c = is_name.size();
+            is_name.push_back(c < sheet.names.size() &&
+                              column_role(sheet.names[c]).role == Role::sample);
+        }
         SheetRow row{table.line()};
-        for (const std::string& field : fields) row.cells.push_back(cell_of(table, field));
+        row.cells.reserve(fields.size());
+        for (std::size_t c = 0; c < fields.size(); ++c)
+            row.cells.push_back(cell_of(table, fields[c], is_name[c]));
         sheet.rows.push_back(std::move(row));
     }
     sheet.remarks.insert(sheet.remarks.end(), table.comments().begin(), table.comments().end());

@@ -45,10 +45,9 @@ Substrate read_ground_file(const std::string& path) {
         if (!is_albedo(v) || (hemispherical && v.geometry != MeasuredGeometry::hemispherical))
             continue;
         if (sample.value_or(v.sample) != v.sample) {
-            refuse(0,
-                   fmt::format("which column or sample? It has {}; a ground is one of them: write "
-                               "it with `miebrdf measured FILE --column NAME -o GROUND.csv`",
-                               fmt::join(list.samples, ", ")));
+            refuse(0, fmt::format("which column or sample? It has {}; a ground is one of them: a "
+                                  "file that has it alone, as wavelength_nm,albedo",
+                                  fmt::join(list.samples, ", ")));
         }
         sample = v.sample;
         if (!(v.value >= 0.0 && v.value <= 1.0))

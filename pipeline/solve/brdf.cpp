@@ -22,7 +22,8 @@ namespace miebrdf {
 namespace {
 
 void validate_wavelengths(const std::vector<double>& wavelength_nm) {
-    if (wavelength_nm.empty()) throw UsageError("wavelength_nm", "none", "one or more, in nm");
+    if (wavelength_nm.empty())
+        throw UsageError("wavelength_nm", "an empty list", "one or more, in nm");
     for (const double nm : wavelength_nm) {
         if (!(nm > 0.0 && std::isfinite(nm)))
             throw UsageError("wavelength_nm", nm, "finite and > 0");

@@ -49,6 +49,22 @@ TEST_CASE("an unknown has a start, bounds, and perhaps a logarithm", "[fit]") {
     CHECK_THROWS_WITH(unknown("r", "5 in 10:1"), Contains("the lower one first"));
 }
 
+TEST_CASE("of a spectrum and Lab of one patch a fit takes what its quantity says", "[fit]") {
+    const support::TemporaryFolder folder;
+    folder.write("patch.csv",
+                 "quantity,geometry,wavelength_nm,mu_in,mu_out,azimuth_deg,value,sigma\n"
+                 "reflectance,,400,,,,0.1,\nreflectance,,500,,,,0.2,\nlab_l,,,,,,50,\n"
+                 "lab_a,,,,,,1,\nlab_b,,,,,,2,\n");
+    const auto read = [&](const std::string& quantity) {
+        return read_fit_text(replaced(replaced(kGood, "snow.csv", "patch.csv"),
+                                      "quantity = \"plane_albedo\"", quantity),
+                             folder.path().string(), "fit.toml");
+    };
+    CHECK_THROWS_WITH(read(""), Contains("spectra and Lab") && Contains("quantity"));
+    CHECK(read("quantity = \"plane_albedo\"").data[0].values.size() == 2);
+    CHECK(read("quantity = \"lab\"").data[0].values.size() == 3);
+}
+
 TEST_CASE("a fit file names scene, unknowns and measured values", "[fit]") {
     const support::TemporaryFolder folder;
     folder.write("snow.csv", "wavelength_nm,albedo\n900,0.8\n1000,0.7\n1100,\n1200,0.5\n");

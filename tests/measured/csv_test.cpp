@@ -116,15 +116,16 @@ TEST_CASE("albedos and measurements that the program writes are read back", "[me
     const Measurements own = read_text(
         "quantity,geometry,wavelength_nm,mu_in,mu_out,azimuth_deg,value,sigma\n"
         "reflectance,d8-sci,400,0.99,,,0.5,0.01\nbrdf,directions,532,0.5,0.25,180,0.3,\n"
-        "lab_a,,,,,,-12,\n");
-    REQUIRE(own.values.size() == 3);
+        "lab_a,,,,,,-12,\nreflectance_factor,,400,,,,0.5,\n");
+    REQUIRE(own.values.size() == 4);
     CHECK(own.values[0].geometry == MeasuredGeometry::d8_sci);
     CHECK(own.values[0].sigma == 0.01);
     CHECK(own.values[1].quantity == MeasuredQuantity::brdf);
     CHECK(own.values[1].azimuth_deg == 180);
     CHECK(std::isnan(own.values[1].sigma));
-    CHECK(own.values[2].quantity == MeasuredQuantity::lab_a);
-    CHECK(own.values[2].value == -12);
+    CHECK(own.values[2].geometry == MeasuredGeometry::unknown);
+    CHECK(own.values[3].quantity == MeasuredQuantity::lab_a);
+    CHECK(own.values[3].value == -12);
 }
 
 TEST_CASE("options say what a table does not", "[measured][csv]") {

@@ -44,6 +44,7 @@ TEST_CASE("Spectral Evolution and Avantes texts are tables with lines above them
     const Measurements list = read_text(text);
     CHECK(wavelengths_of(list) == Doubles{400, 401});
     CHECK(values_of(list) == Doubles{0.5, 0.6});
+    CHECK(list.samples.size() == 1);  // "Sample [counts]" names none
 }
 
 TEST_CASE("Ocean Optics texts say what they are in their first line, or are asked",

@@ -222,5 +222,5 @@ def test_messages_speak_of_arguments():
     with pytest.raises(miebrdf.UsageError, match="^roughness: 9 ") as caught:
         miebrdf.Scene("hg:0.9,0.5", roughness=9)
     assert caught.value.field == "roughness"
-    with pytest.raises(miebrdf.UsageError, match="one or more, in nm"):
+    with pytest.raises(miebrdf.UsageError, match="^wavelengths_nm: .*one or more, in nm"):
         miebrdf.Scene("hg:0.9,0.5").solve([])

@@ -1,4 +1,6 @@
 // miebrdf measured, and measurements as references and points.
+#include <cmath>
+
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
 #include "tests/support/program_csv.h"
@@ -33,6 +35,66 @@ TEST_CASE("measured prints what it understood, and reads its own rows again",
         return table.substr(table.find("quantity,"));
     };
     CHECK(rows(again.out) == rows(text));
+}
+
+TEST_CASE("a ground is any instrument's spectrum, from its own file and from what measured writes",
+          "[program][measured]") {
+    const std::string svc =
+        "/*** Spectra Vista SIG Data ***/\nname= leaf\nunits= Radiance, Radiance\ncomm= \n"
+        "memory slot= 0, 0\ndata= \n400.0  200.0  50.0  25.00\n600 200 60 30\n";
+    const std::string jcamp =
+        "##TITLE=a powder\n##JCAMP-DX= 4.24\n##XUNITS= NANOMETERS\n##YUNITS= REFLECTANCE\n"
+        "##XFACTOR= 1\n##YFACTOR= 0.01\n##FIRSTX= 400\n##LASTX= 600\n##NPOINTS= 3\n"
+        "##XYDATA= (X++(Y..Y))\n400 10 12 14\n##END=\n";
+    const std::string cxf =
+        "<CxF xmlns=\"http://colorexchangeformat.com/CxF3-core\"><Resources><ObjectCollection>"
+        "<Object ObjectType=\"Standard\" Name=\"P1\" Id=\"c1\"><ColorValues>"
+        "<ReflectanceSpectrum ColorSpecification=\"s\" StartWL=\"400\">0.1 0.2 0.3"
+        "</ReflectanceSpectrum><ColorCIELab ColorSpecification=\"s\"><L>50</L><A>1</A><B>2</B>"
+        "</ColorCIELab></ColorValues></Object></ObjectCollection><ColorSpecificationCollection>"
+        "<ColorSpecification Id=\"s\"><MeasurementSpec><MeasurementType>Spectrum_Reflectance"
+        "</MeasurementType><WavelengthRange StartWL=\"400\" Increment=\"100\"/>"
+        "</MeasurementSpec></ColorSpecification></ColorSpecificationCollection></Resources></CxF>";
+    const std::string avantes =
+        "0601030U1\nIntegration time [ms]:  15,000\nWave   ;Sample   ;Dark     "
+        ";Reference;Reflectance"
+        "\n[nm]   ;[counts] ;[counts] ;[counts] ;[%]\n\n"
+        " 400,00;  812,000;  700,0;  900,0;50,0\n 600,00;  813,000;  700,0;  900,0;60,0\n";
+    const std::string ecostress =
+        "Name: a pavement\r\nType: manmade\r\nMeasurement: Directional (10 Degree) Hemispherical "
+        "Reflectance\r\nX Units: Wavelength (micrometers)\r\nY Units: Reflectance (percent)\r\n"
+        "Number of X Values: 2\r\nAdditional Information: none\r\n\r\n 0.6\t 25\r\n 0.4\t 50\r\n";
+    const std::string rxt =
+        "IAD1\n1.41\n1.5\n2.65\n1\n10\n0.98\n0\n100 20 18 8 0.98\n100 18 0 8 0.98\n"
+        "L r t\n600 0.3 0.35\n400 0.2 0.25\n";
+    struct Case {
+        std::string name, text;
+        double at_500;
+    };
+    const support::TemporaryFolder folder;
+    for (const Case& c : std::vector<Case>{
+             {"leaf.sig", svc, 0.275},
+             {"powder.jdx", jcamp, 0.12},
+             {"patch.cxf", cxf, 0.2},
+             {"avantes.txt", avantes, 0.55},
+             {"pavement.spectrum.txt", ecostress, 0.375},
+             {"phantom.rxt", rxt, 0.25},
+             {"chart.txt", kGreyChart, 0.2},
+             {"percent.csv", "wavelength_nm,%R,sample\n400,10,\"1,5\"\n600,20,\"1,5\"\n", 0.15},
+         }) {
+        CAPTURE(c.name);
+        const std::string file = folder.write(c.name, c.text), own = folder / "own.csv";
+        support::run_ok("measured " + file + " -o " + own);
+        for (const std::string& ground : {file, own}) {
+            const auto run = support::run_ok(
+                "albedo --coat isotropic:0@1e-12 --mu-in 1 "
+                "--wavelengths 500 --substrate lambert:" +
+                ground);
+            // The layer takes 1e-12 on each way.
+            CHECK(std::abs(support::CsvOutput(run.out).number(0, "plane_albedo") - c.at_500) <=
+                  1e-11);
+        }
+    }
 }
 
 TEST_CASE("a goniometer's list is drawn against the angle of reflection", "[program][measured]") {

@@ -21,10 +21,13 @@ void raise(const char* name, const Error& error, py::dict facts = {}) {
     // As arguments of the package are called.
     std::string text = error.what();
     std::string field = error.field();
-    const std::string alpha = "beckmann_alpha";
-    if (field == alpha) {
-        field = "roughness";
-        if (text.starts_with(alpha)) text.replace(0, alpha.size(), field);
+    for (const auto& [name, argument] :
+         {std::pair<std::string, std::string>{"beckmann_alpha", "roughness"},
+          {"wavelength_nm", "wavelengths_nm"}}) {
+        if (field != name) continue;
+        field = argument;
+        if (text.starts_with(name)) text.replace(0, name.size(), argument);
+        break;
     }
     const py::object instance = cls(text);
     instance.attr("field") = field;
