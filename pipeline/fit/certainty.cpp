@@ -162,12 +162,14 @@ Certainty certainty_of(const FitProblem& problem, const Model& model, const Targ
     // One row and column for each residual and free number, in sigmas by units.
     Eigen::MatrixXd scaled(std::max(rows, free.size()), free.size());
     scaled.setZero();
+    const std::vector<double> z = target.sigmas_off(values);
+    std::vector<double> slopes = derivatives;
+    target.to_sigmas(slopes);
     for (std::size_t i = 0; i < rows; ++i) {
-        const double z = (values[i] - target.values[i]) * target.weights[i];
-        const double weight = target.weights[i] * weight_of_loss(problem, z) / sigma;
+        const double weight = weight_of_loss(problem, z[i]) / sigma;
         for (std::size_t f = 0; f < free.size(); ++f)
             scaled(Eigen::Index(i), Eigen::Index(f)) =
-                derivatives[i * slots + free[f]] * weight * units[f];
+                slopes[i * slots + free[f]] * weight * units[f];
     }
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
     const Eigen::VectorXd& singular = svd.singularValues();

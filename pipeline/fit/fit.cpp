@@ -39,8 +39,7 @@ struct Part {
     const std::vector<double>& numbers() const { return found.minima.front().values; }
     double sum_of_squares() const {
         double sum = 0.0;
-        for (std::size_t i = 0; i < found.values.size(); ++i)
-            sum += std::pow((found.values[i] - target.values[i]) * target.weights[i], 2);
+        for (const double z : target.sigmas_off(found.values)) sum += z * z;
         return sum;
     }
 };

@@ -16,11 +16,29 @@ namespace miebrdf {
 namespace {
 
 constexpr char kKind[] = "fit file";
-const std::vector<std::string> kMeasuredKeys = {
-    "file",    "column", "quantity", "name",           "wavelengths",      "wavelength_nm",
-    "values",  "sigma",  "scale",    "relative_sigma", "diffuse_fraction", "light",
-    "mu_in",   "mu_out", "azimuth",  "theta_in",       "theta_out",        "azimuth_zero",
-    "percent", "scene"};
+const std::vector<std::string> kMeasuredKeys = {"file",
+                                                "column",
+                                                "quantity",
+                                                "name",
+                                                "wavelengths",
+                                                "wavelength_nm",
+                                                "values",
+                                                "sigma",
+                                                "scale",
+                                                "relative_sigma",
+                                                "diffuse_fraction",
+                                                "light",
+                                                "mu_in",
+                                                "mu_out",
+                                                "azimuth",
+                                                "theta_in",
+                                                "theta_out",
+                                                "azimuth_zero",
+                                                "percent",
+                                                "scene",
+                                                "wavelength_shift",
+                                                "band_width",
+                                                "correlation_length"};
 
 class FitFile : TomlFile {
   public:
@@ -28,7 +46,7 @@ class FitFile : TomlFile {
         : TomlFile(kKind, name, text), folder_(std::move(folder)) {}
 
     FitProblem read() {
-        check_keys(root(), {"title", "scene", "unknowns", "measured", "fit"}, "key");
+        check_keys(root(), {"title", "scene", "unknowns", "derived", "measured", "fit"}, "key");
         problem_.scene = scene_of(table_of("scene", "whose keys are the words of a scene file"));
         for (const auto& [name, node] :
              in_order(table_of("unknowns", "radius = \"100 in 20:1000 log\" for {radius}"))) {
@@ -38,6 +56,14 @@ class FitFile : TomlFile {
                                           "that is known stands in [scene] itself",
                                           name));
             at(*node, [&, &key = name] { problem_.unknowns.push_back(unknown(key, *text)); });
+        }
+        if (root().get("derived") != nullptr) {
+            const std::string form = "mus = \"a*(wavelength_nm/500)^-b\" for {mus}";
+            for (const auto& [name, node] : in_order(table_of("derived", form))) {
+                const auto text = node->value_exact<std::string>();
+                if (!text) refuse(*node, fmt::format("'{}' is a text, {}", name, form));
+                problem_.derived.push_back({std::string(name), *text});
+            }
         }
         read_how();
         const toml::node* sets = root().get("measured");
@@ -203,6 +229,13 @@ class FitFile : TomlFile {
                     "'scale' is \"free\" where values are known up to a factor; a factor that is "
                     "known goes into the values");
         }
+        if (const toml::node* shift = set.get("wavelength_shift")) {
+            data.free_wavelength_shift = shift->value_or(std::string()) == "free";
+            if (!data.free_wavelength_shift)
+                data.wavelength_shift_nm = number_of(*shift, "wavelength_shift");
+        }
+        data.band_width_nm = number_of_key(set, "band_width").value_or(0.0);
+        data.correlation_length_nm = number_of_key(set, "correlation_length").value_or(0.0);
         if (const toml::node* own = set.get("scene")) {
             if (!own->is_table()) refuse(*own, "'scene' is { word = \"value\" }");
             data.scene = scene_of(*own->as_table());

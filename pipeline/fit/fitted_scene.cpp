@@ -8,6 +8,8 @@
 #include <set>
 #include <vector>
 
+#include <miebrdf/error.h>
+#include "pipeline/fit/derived.h"
 #include "pipeline/fit/model.h"
 #include "pipeline/fit/problem.h"
 
@@ -22,23 +24,38 @@ std::string quoted(const std::string& text) {
 
 /// With the fitted values in its gaps. @param nm  of those that differ between
 /// wavelengths
-std::string filled(const std::string& text, const FitResult& result, double nm) {
+std::string filled(const std::string& text, const FitProblem& problem, const FitResult& result,
+                   double nm) {
     std::string out = text;
+    const auto replace = [&out](const std::string& name, double number) {
+        const std::string gap = "{" + name + "}", word = fmt::format("{}", number);
+        for (std::size_t at = out.find(gap); at != std::string::npos; at = out.find(gap, at))
+            out.replace(at, gap.size(), word);
+    };
+    const auto number_of = [&](const std::string& name) {
+        for (const FittedValue& value : result.values) {
+            if (value.unknown == name && value.wavelength_nm.value_or(nm) == nm) return value.value;
+        }
+        throw UsageError(fmt::format("there is no unknown '{}'", name));
+    };
+    for (const std::string& name : gaps_in(text)) {
+        if (const DerivedNumber* derived = find_derived(problem, name))
+            replace(name, derived_number(*derived, nm, number_of));
+    }
     for (const FittedValue& value : result.values) {
         if (value.wavelength_nm && *value.wavelength_nm != nm) continue;
-        const std::string gap = "{" + value.unknown + "}", number = fmt::format("{}", value.value);
-        for (std::size_t at = out.find(gap); at != std::string::npos; at = out.find(gap, at))
-            out.replace(at, gap.size(), number);
+        replace(value.unknown, value.value);
     }
     return out;
 }
 
-std::string word_line(const TemplateWord& word, const FitResult& result, double nm) {
+std::string word_line(const TemplateWord& word, const FitProblem& problem, const FitResult& result,
+                      double nm) {
     const SceneWord& known = *find_scene_word(word.name);
     if (known.kind == WordKind::flag) return fmt::format("{} = true\n", word.name);
     std::vector<std::string> values;
     for (const WordValue& value : word.values)
-        values.push_back(quoted(filled(text_of(value), result, nm)));
+        values.push_back(quoted(filled(text_of(value), problem, result, nm)));
     if (values.size() == 1 && known.kind == WordKind::single)
         return fmt::format("{} = {}\n", word.name, values[0]);
     return fmt::format("{} = [{}]\n", word.name, fmt::join(values, ", "));
@@ -59,8 +76,9 @@ void thin(std::set<double>& numbers) {
 }
 
 /// The [[result]] of these values.
-std::string result_text(const std::vector<TemplateWord>& words, const FitData& data,
-                        const FitResult& result, std::optional<double> only_nm) {
+std::string result_text(const std::vector<TemplateWord>& words, const FitProblem& problem,
+                        const FitData& data, const FitResult& result,
+                        std::optional<double> only_nm) {
     std::set<double> nm, mu_in, mu_out, azimuth;
     bool has_view = false;
     for (const MeasuredValue& value : data.values) {
@@ -81,7 +99,8 @@ std::string result_text(const std::vector<TemplateWord>& words, const FitData& d
     }
     std::string text = fmt::format("\n[[result]]  # {}\ncommand = \"{}\"\n", data.name,
                                    has_view ? "brdf" : "albedo");
-    for (const TemplateWord& word : words) text += word_line(word, result, only_nm.value_or(0.0));
+    for (const TemplateWord& word : words)
+        text += word_line(word, problem, result, only_nm.value_or(0.0));
     text += nm.empty() ? "wavelengths = \"400:700:10\"\n" : list_line("wavelengths", nm);
     text += list_line("mu-in", mu_in);
     if (has_view) text += list_line("mu-out", mu_out) + list_line("azimuth", azimuth);
@@ -107,8 +126,11 @@ std::string fitted_scene(const FitProblem& problem, const FitResult& result) {
             if (value.wavelength_nm && names.contains(value.unknown))
                 apart.insert(*value.wavelength_nm);
         }
-        if (apart.empty()) text += result_text(words, data, result, {});
-        for (const double nm : apart) text += result_text(words, data, result, nm);
+        if (uses_derived(problem, words)) {
+            for (const MeasuredValue& value : data.values) apart.insert(value.wavelength_nm);
+        }
+        if (apart.empty()) text += result_text(words, problem, data, result, {});
+        for (const double nm : apart) text += result_text(words, problem, data, result, nm);
     }
     return text;
 }

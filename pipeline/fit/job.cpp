@@ -8,7 +8,9 @@
 #include <tuple>
 #include <utility>
 
+#include "pipeline/fit/derived.h"
 #include "pipeline/fit/problem.h"
+#include "pipeline/fit/spectra.h"
 
 namespace miebrdf::fitting {
 namespace {
@@ -115,6 +117,17 @@ std::vector<double> wavelengths_of(const FitProblem& problem) {
     return {all.begin(), all.end()};
 }
 
+void Job::set_wavelengths(std::vector<double> nm) {
+    wavelength_nm = std::move(nm);
+    uses.clear();
+    for (const Use& spectrum : spectra) {
+        for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
+            uses.push_back(spectrum);
+            uses.back().wavelength = w;
+        }
+    }
+}
+
 std::size_t slot_of(const FitProblem& problem, const std::vector<Slot>& slots,
                     const std::string& name, std::size_t wavelength) {
     for (std::size_t s = 0; s < slots.size(); ++s) {
@@ -130,9 +143,13 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
     std::size_t values = 0;
     for (const FitData& data : problem.data) {
         const std::vector<TemplateWord> words = words_of(problem, data);
-        const bool apart = uses_per_wavelength(words, problem.unknowns);
-        std::optional<std::size_t> scale;
-        if (data.free_scale) scale = slot_of(problem, slots, name_of_scale(data), 0);
+        const bool apart =
+            uses_per_wavelength(words, problem.unknowns) || uses_derived(problem, words);
+        Job::Reading reading{.shift_nm = data.wavelength_shift_nm,
+                             .band_width_nm = data.band_width_nm};
+        if (data.free_scale) reading.scale = slot_of(problem, slots, name_of_scale(data), 0);
+        if (data.free_wavelength_shift)
+            reading.shift = slot_of(problem, slots, name_of_shift(data), 0);
         for (const MeasuredValue& value : data.values) {
             const Kind kind = kind_of(value);
             const auto at =
@@ -147,7 +164,7 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
             if (job == jobs.end()) {
                 jobs.push_back(
                     {.words = words,
-                     .names = names_in(words),
+                     .names = unknowns_in(problem, words),
                      .kind = kind,
                      .diffuse_fraction = data.diffuse_fraction,
                      .viewing = data.viewing,
@@ -156,10 +173,7 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
                      .uses = {}});
                 job = jobs.end() - 1;
             }
-            Job::Use use{.value = values++,
-                         .quantity = value.quantity,
-                         .geometry = value.geometry,
-                         .scale = scale};
+            Job::Use use{.quantity = value.quantity, .geometry = value.geometry};
             if (kind != Kind::lab)
                 use.wavelength = place_in(job->wavelength_nm, value.wavelength_nm);
             if (!is_of_all_sides(value)) use.in = place_in(job->directions.mu_in, value.mu_in);
@@ -167,12 +181,17 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
                 use.out = place_in(job->directions.mu_out, value.mu_out);
                 use.azimuth = place_in(job->directions.azimuth_deg, azimuth_of(value));
             }
+            reading.value = values++;
+            reading.use = job->uses.size();
+            reading.wavelength_nm = value.wavelength_nm;
+            job->readings.push_back(reading);
             job->uses.push_back(use);
         }
     }
     for (Job& job : jobs) {
         if (job.directions.mu_in.empty()) job.directions.mu_in = {1.0};  // albedos want one
         if (job.kind == Kind::brdf || job.kind == Kind::hdrf) scatter(job);
+        interpolate_spectra(job);
     }
     return jobs;
 }

@@ -156,16 +156,13 @@ class Searcher {
         } catch (const UsageError& error) {
             return refuse(t, error.what());
         }
-        const std::size_t columns = t.size();
-        for (std::size_t i = 0; i < residuals.size(); ++i) {
-            residuals[i] = (residuals[i] - target_.values[i]) * target_.weights[i];
-            bool is_finite = std::isfinite(residuals[i]);
-            for (double& slope : jacobian.subspan(i * columns, columns)) {
-                slope *= target_.weights[i];
-                is_finite = is_finite && std::isfinite(slope);
-            }
-            if (!is_finite) return refuse(t, "its values are no finite numbers");
-        }
+        for (std::size_t i = 0; i < residuals.size(); ++i) residuals[i] -= target_.values[i];
+        target_.to_sigmas(residuals);
+        target_.to_sigmas(jacobian);
+        const auto is_finite = [](double x) { return std::isfinite(x); };
+        if (!std::all_of(residuals.begin(), residuals.end(), is_finite) ||
+            !std::all_of(jacobian.begin(), jacobian.end(), is_finite))
+            return refuse(t, "its values are no finite numbers");
         return true;
     }
 
@@ -189,18 +186,24 @@ class Searcher {
 
 /// How far values that differ by `difference` move the numbers of a minimum, or any combination of
 /// them, in its own standard errors: what of the difference lies in the directions of the Jacobian.
-double shift_of(const std::vector<double>& difference, const std::vector<double>& derivatives,
+double shift_of(std::vector<double> difference, std::vector<double> derivatives,
                 const Target& target, double sigma) {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    target.to_sigmas(difference);
+    target.to_sigmas(derivatives);
     const auto rows = Eigen::Index(difference.size());
-    const auto weights = Eigen::Map<const Eigen::VectorXd>(target.weights.data(), rows);
     const auto columns = Eigen::Index(derivatives.size()) / rows;
-    const Eigen::MatrixXd J =
-        weights.asDiagonal() * Eigen::Map<const RowMajor>(derivatives.data(), rows, columns);
-    const Eigen::VectorXd d =
-        weights.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(difference.data(), rows));
+    const Eigen::MatrixXd J = Eigen::Map<const RowMajor>(derivatives.data(), rows, columns);
+    const auto d = Eigen::Map<const Eigen::VectorXd>(difference.data(), rows);
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J);
     return (qr.householderQ().adjoint() * d).head(qr.rank()).norm() / sigma;
+}
+
+bool are_of_one_spectrum(const MeasuredValue& a, const MeasuredValue& b) {
+    const auto is_same = [](double x, double y) { return x == y || std::isnan(x + y); };
+    return a.quantity == b.quantity && a.geometry == b.geometry && a.sample == b.sample &&
+           is_same(a.mu_in, b.mu_in) && is_same(a.mu_out, b.mu_out) &&
+           is_same(a.azimuth_deg, b.azimuth_deg);
 }
 
 bool are_same(const FitProblem& problem, const Model& model, const std::vector<double>& a,
@@ -218,12 +221,13 @@ bool are_same(const FitProblem& problem, const Model& model, const std::vector<d
 void keep_known(const Minimum& best, const Target& target, Search& found) {
     const std::size_t count = target.values.size();
     found.values.assign(count, std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t i = 0; i < best.residuals.size(); ++i)
-        found.values[i] = target.values[i] + best.residuals[i] / target.weights[i];
+    if (!best.residuals.empty()) {
+        found.values = best.residuals;
+        target.from_sigmas(found.values);
+        for (std::size_t i = 0; i < count; ++i) found.values[i] += target.values[i];
+    }
     found.derivatives = best.jacobian;
-    const std::size_t columns = best.jacobian.size() / count;
-    for (std::size_t i = 0; i < best.jacobian.size(); ++i)
-        found.derivatives[i] /= target.weights[i / columns];
+    target.from_sigmas(found.derivatives);
 }
 
 /// The same of averages in place of those from the lattice of sizes.
@@ -333,12 +337,49 @@ void add_disagreements(const FitProblem& problem, const Model& model, const Mini
 
 }  // namespace
 
+void Target::to_sigmas(std::span<double> rows) const {
+    const std::size_t columns = rows.size() / values.size();
+    for (std::size_t i = values.size(); i-- > 0;) {
+        const double r = correlation[i], own = weights[i] / std::sqrt(1.0 - r * r),
+                     of_last = r == 0.0 ? 0.0 : r * weights[i - 1] / std::sqrt(1.0 - r * r);
+        for (std::size_t j = i * columns; j < (i + 1) * columns; ++j)
+            rows[j] = own * rows[j] - (r == 0.0 ? 0.0 : of_last * rows[j - columns]);
+    }
+}
+
+void Target::from_sigmas(std::span<double> rows) const {
+    const std::size_t columns = rows.size() / values.size();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const double r = correlation[i];
+        for (std::size_t j = i * columns; j < (i + 1) * columns; ++j) {
+            const double last = r == 0.0 ? 0.0 : r * weights[i - 1] * rows[j - columns];
+            rows[j] = (std::sqrt(1.0 - r * r) * rows[j] + last) / weights[i];
+        }
+    }
+}
+
+std::vector<double> Target::sigmas_off(const std::vector<double>& model) const {
+    std::vector<double> off = model;
+    for (std::size_t i = 0; i < off.size(); ++i) off[i] -= values[i];
+    to_sigmas(off);
+    return off;
+}
+
 Target target_of(const FitProblem& problem) {
     Target target;
     for (const FitData& data : problem.data) {
+        const MeasuredValue* last = nullptr;
         for (const MeasuredValue& value : data.values) {
             target.values.push_back(value.value);
             target.weights.push_back(value.sigma > 0.0 ? 1.0 / value.sigma : 1.0);
+            const bool is_next = last != nullptr && data.correlation_length_nm > 0.0 &&
+                                 are_of_one_spectrum(*last, value) &&
+                                 value.wavelength_nm > last->wavelength_nm;
+            target.correlation.push_back(
+                is_next ? std::exp((last->wavelength_nm - value.wavelength_nm) /
+                                   data.correlation_length_nm)
+                        : 0.0);
+            last = &value;
         }
     }
     return target;

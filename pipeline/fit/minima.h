@@ -5,6 +5,7 @@
 #include <miebrdf/fit.h>
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,14 @@ namespace miebrdf::fitting {
 /// not known).
 struct Target {
     std::vector<double> values, weights;
+    /// Of each its correlation with the value before it, its neighbour in a spectrum; 0: none.
+    std::vector<double> correlation;
+
+    /// Differences of values, row by row, in sigmas, of which each is independent of the others:
+    /// where neighbours are correlated, what the one does not tell of the next.
+    void to_sigmas(std::span<double> rows) const;
+    void from_sigmas(std::span<double> rows) const;
+    std::vector<double> sigmas_off(const std::vector<double>& values) const;
 };
 Target target_of(const FitProblem& problem);
 

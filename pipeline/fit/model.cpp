@@ -7,6 +7,8 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "pipeline/fit/problem.h"
+#include "pipeline/fit/spectra.h"
 #include "pipeline/fit/varied_spheres.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
@@ -21,6 +23,37 @@ constexpr double kStep = 1e-2;
 
 /// Of the memo of optics: with less, a fresh one is made.
 constexpr std::size_t kLeastMemory = std::size_t{32} << 20;
+
+}  // namespace
+
+namespace {
+
+/// A measured value as a sum of solved ones.
+struct ReadValue : Job::Reading {
+    std::vector<SolvedShare> parts;
+    double factor = 1.0;  ///< its scale
+
+    double of(const std::vector<double>& solved) const {
+        double sum = 0.0;
+        for (const SolvedShare& part : parts) sum += part.weight * solved[part.use];
+        return factor * sum;
+    }
+    double by_shift(const std::vector<double>& solved) const {
+        double sum = 0.0;
+        for (const SolvedShare& part : parts) sum += part.slope * solved[part.use];
+        return factor * sum;
+    }
+};
+
+std::vector<ReadValue> read(const Job& job, std::span<const double> numbers) {
+    std::vector<ReadValue> values;
+    values.reserve(job.readings.size());
+    for (const Job::Reading& reading : job.readings)
+        values.push_back({reading,
+                          parts_of(job, reading, reading.shift ? numbers[*reading.shift] : 0.0),
+                          reading.scale ? numbers[*reading.scale] : 1.0});
+    return values;
+}
 
 }  // namespace
 
@@ -66,8 +99,10 @@ Request Model::request(const Job& job, std::span<const double> numbers,
 
 bool Model::has_closed_forms(const Job& job, std::span<const double> numbers,
                              const std::vector<std::string>& names) {
+    Job one = job;  // a wavelength knows
+    if (one.is_interpolated()) one.set_wavelengths({job.wavelength_nm.front()});
     try {
-        solve_job(job, request(job, numbers, names), remembering(), names);
+        solve_job(one, request(one, numbers, names), remembering(), names);
         return true;
     } catch (const UsageError&) {
         return false;
@@ -189,20 +224,44 @@ void Model::with_lattice_or_without(const Solve& solve) {
     lattice_is_used_ = true;
 }
 
+/// With wavelengths of its own choice.
+SolvedJob Model::solve_freely(Job& job, std::span<const double> numbers) {
+    job.streams = 0;
+    job.takes_intensity_alone = false;
+    SolvedJob most;
+    const auto solve_at = [&](const std::vector<double>& nm) {
+        Job some = job;
+        if (job.is_interpolated()) some.set_wavelengths(nm);
+        SolvedJob solved = solve_job(some, request(some, numbers), remembering(), {});
+        ++solved_scenes_;
+        most.streams = std::max(most.streams, solved.streams);
+        most.components = std::max(most.components, solved.components);
+        return std::move(solved.values);
+    };
+    if (job.is_interpolated()) {
+        job.set_wavelengths(chosen_wavelengths(job, tolerance_of(problem_), solve_at));
+    } else {
+        solve_at({});
+    }
+    return most;
+}
+
 bool Model::choose_streams(std::span<const double> numbers) {
     std::vector<SolvedJob> solved;
+    std::vector<Job> chosen;
     with_lattice_or_without([&] {
         solved.clear();
-        for (Job job : jobs_) {
-            job.streams = 0;
-            job.takes_intensity_alone = false;
-            solved.push_back(solve_job(job, request(job, numbers), remembering(), {}));
-        }
+        chosen = jobs_;
+        for (Job& job : chosen) solved.push_back(solve_freely(job, numbers));
     });
     bool more = false;
     for (std::size_t j = 0; j < jobs_.size(); ++j) {
         Job& job = jobs_[j];
         const int before = job.streams;
+        if (chosen[j].wavelength_nm.size() > job.wavelength_nm.size()) {
+            more = true;
+            job.set_wavelengths(chosen[j].wavelength_nm);
+        }
         job.streams = std::max(before, solved[j].streams);
         const bool took_intensity_alone =
             std::exchange(job.takes_intensity_alone, solved[j].components == 1);
@@ -262,14 +321,13 @@ void Model::evaluate_as_set(std::span<const double> numbers, std::span<double> v
     std::vector<Task> moved;
     for (const Task& middle : middles) {
         const Job& job = *middle.job;
-        const auto scale_of = [&](const Job::Use& use) {
-            return use.scale ? numbers[*use.scale] : 1.0;
-        };
-        for (std::size_t i = 0; i < job.uses.size(); ++i) {
-            const Job::Use& use = job.uses[i];
-            values[use.value] = scale_of(use) * middle.solved.values[i];
-            if (differentiate && use.scale)  // fitted in its logarithm
-                derivatives[use.value * columns + *use.scale] = values[use.value];
+        const std::vector<ReadValue> readings = read(job, numbers);
+        for (const ReadValue& reading : readings) {
+            values[reading.value] = reading.of(middle.solved.values);
+            if (!differentiate) continue;
+            const auto slopes = derivatives.subspan(reading.value * columns, columns);
+            if (reading.scale) slopes[*reading.scale] = values[reading.value];  // in its logarithm
+            if (reading.shift) slopes[*reading.shift] = reading.by_shift(middle.solved.values);
         }
         if (!differentiate) continue;
         const std::vector<std::string> names = closed_forms(job);
@@ -288,9 +346,8 @@ void Model::evaluate_as_set(std::span<const double> numbers, std::span<double> v
             }
             const std::size_t s = slot(job, name);
             const double by_fitted = slope(problem_.unknowns[slots_[s].unknown], numbers[s]);
-            for (std::size_t i = 0; i < job.uses.size(); ++i)
-                derivatives[job.uses[i].value * columns + s] =
-                    scale_of(job.uses[i]) * slopes[i] * by_fitted;
+            for (const ReadValue& reading : readings)
+                derivatives[reading.value * columns + s] = reading.of(slopes) * by_fitted;
         }
     }
     solve_all(moved);
@@ -308,13 +365,10 @@ void Model::evaluate_as_set(std::span<const double> numbers, std::span<double> v
             task->moved =
                 fitted_of(problem_.unknowns[slots_[task->slot].unknown], numbers[task->slot]);
         }
-        for (std::size_t i = 0; i < below.job->uses.size(); ++i) {
-            const Job::Use& use = below.job->uses[i];
-            const double scale = use.scale ? numbers[*use.scale] : 1.0;
-            derivatives[use.value * columns + below.slot] =
-                scale * (above.solved.values[i] - below.solved.values[i]) /
+        for (const ReadValue& reading : read(*below.job, numbers))
+            derivatives[reading.value * columns + below.slot] =
+                (reading.of(above.solved.values) - reading.of(below.solved.values)) /
                 (above.moved - below.moved);
-        }
     }
 }
 

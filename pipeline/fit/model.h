@@ -44,8 +44,9 @@ class Model {
     /// Uses a finer lattice from now on; where this one is the finest, none.
     void refine_lattice();
 
-    /// Solves all scenes with nodes chosen for their tolerance, and keeps to these nodes from now
-    /// on: then values are smooth in the numbers. @return whether more are needed than before
+    /// Solves all scenes with nodes, and wavelengths to interpolate spectra between, chosen for
+    /// their tolerance, and keeps to these from now on: then values are smooth in the numbers.
+    /// @return whether more are needed than before
     bool choose_streams(std::span<const double> numbers);
 
     /// Throws what solving throws: UsageError for numbers that no scene can have, Cancelled. Where
@@ -71,6 +72,7 @@ class Model {
     std::vector<std::string> closed_forms(const Job& job) const;
     bool has_closed_forms(const Job& job, std::span<const double> numbers,
                           const std::vector<std::string>& names);
+    SolvedJob solve_freely(Job& job, std::span<const double> numbers);
     void add_moved(const Job& job, const std::string& name, std::span<const double> numbers,
                    std::vector<Task>& tasks) const;
 

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include <miebrdf/error.h>
+#include "pipeline/fit/derived.h"
 #include "pipeline/fit/model.h"
 #include "pipeline/fit/start_advice.h"
 #include "pipeline/fit/unknowns.h"
@@ -61,6 +62,29 @@ void check_value(const FitData& data, const MeasuredValue& value) {
         refuse("from where was it seen? Give mu_out or theta_out, and azimuth");
 }
 
+/// Whether a value is more than that of its own wavelength.
+bool is_of_neighbours(const FitData& data) {
+    return data.free_wavelength_shift || data.wavelength_shift_nm != 0.0 ||
+           data.band_width_nm > 0.0 || data.correlation_length_nm > 0.0;
+}
+
+/// What is said of the wavelengths of a spectrum.
+void check_spectrum(const FitData& data) {
+    constexpr double kWidestBand = 200.0, kLongestCorrelation = 1e4;
+    if (!(std::abs(data.wavelength_shift_nm) <= kLargestShiftNm))
+        throw UsageError(data.name + ": wavelength_shift in nm", data.wavelength_shift_nm,
+                         "\"free\", or within +-20");
+    if (!(data.band_width_nm >= 0.0 && data.band_width_nm <= kWidestBand))
+        throw UsageError(data.name + ": band_width in nm", data.band_width_nm, "0 to 200");
+    if (!(data.correlation_length_nm >= 0.0 && data.correlation_length_nm <= kLongestCorrelation))
+        throw UsageError(data.name + ": correlation_length in nm", data.correlation_length_nm,
+                         "0 to 10000");
+    if (is_of_neighbours(data) && std::any_of(data.values.begin(), data.values.end(), is_lab))
+        throw UsageError(data.name +
+                         ": wavelength_shift, band_width and correlation_length belong to spectra; "
+                         "leave them out of a colour");
+}
+
 std::vector<std::string> known_names(const FitProblem& problem) {
     std::vector<std::string> names;
     for (const Unknown& unknown : problem.unknowns) names.push_back(unknown.name);
@@ -72,7 +96,7 @@ void check_names(const FitProblem& problem) {
     const std::vector<std::string> known = known_names(problem);
     std::set<std::string> used;
     for (const FitData& data : problem.data) {
-        for (const std::string& name : names_in(words_of(problem, data))) {
+        for (const std::string& name : unknowns_in(problem, words_of(problem, data))) {
             used.insert(name);
             if (std::find(known.begin(), known.end(), name) != known.end()) continue;
             throw UsageError(
@@ -81,6 +105,7 @@ void check_names(const FitProblem& problem) {
                             name, fmt::join(known, ", ")));
         }
         if (data.free_scale) used.insert(name_of_scale(data));
+        if (data.free_wavelength_shift) used.insert(name_of_shift(data));
     }
     for (std::size_t i = 0; i < known.size(); ++i) {
         if (std::count(known.begin(), known.end(), known[i]) > 1)
@@ -134,12 +159,18 @@ void check_problem(const FitProblem& problem) {
     if (problem.data.empty()) throw UsageError("nothing was measured; add a [[measured]]");
     check_search(problem);
     for (const FitData& data : problem.data) check_data(data);
+    check_derived(problem);
     check_names(problem);
     check_counts(problem);
     const bool any_apart = std::any_of(problem.unknowns.begin(), problem.unknowns.end(),
                                        [](const Unknown& u) { return u.per_wavelength; });
     std::size_t with_sigma = 0, values = 0;
     for (const FitData& data : problem.data) {
+        if (is_of_neighbours(data) && (any_apart || uses_derived(problem, words_of(problem, data))))
+            throw UsageError(data.name +
+                             ": wavelength_shift, band_width and correlation_length tie "
+                             "wavelengths together; numbers that differ from one to the next do "
+                             "without them");
         for (const MeasuredValue& value : data.values) {
             with_sigma += value.sigma > 0.0;
             ++values;
@@ -170,6 +201,7 @@ void check_search(const FitProblem& problem) {
 void check_data(const FitData& data) {
     if (data.values.empty())
         throw InputError(fmt::format("{}: no values; a [[measured]] needs some", data.name));
+    check_spectrum(data);
     // A spectrum has one value at each wavelength.
     std::set<std::tuple<double, double, MeasuredQuantity, MeasuredGeometry>> known;
     for (const MeasuredValue& value : data.values) {
@@ -187,11 +219,17 @@ void check_data(const FitData& data) {
 void check_scene(const FitProblem& problem, const FitData& data) {
     const auto words = words_of(problem, data);
     const auto check = [&](const std::vector<double>& numbers) {
-        const auto text_of = [&](const std::string& name) {
+        const auto number_of = [&](const std::string& name) {
             for (std::size_t u = 0; u < problem.unknowns.size(); ++u) {
-                if (problem.unknowns[u].name == name) return fmt::format("{}", numbers[u]);
+                if (problem.unknowns[u].name == name) return numbers[u];
             }
             throw UsageError(fmt::format("there is no unknown '{}'", name));
+        };
+        const auto text_of = [&](const std::string& name) {
+            if (const DerivedNumber* derived = find_derived(problem, name))
+                return fmt::format(
+                    "{}", derived_number(*derived, data.values.front().wavelength_nm, number_of));
+            return fmt::format("{}", number_of(name));
         };
         Request request;
         for (const TemplateWord& word : words) apply(word, text_of, request);
@@ -227,6 +265,8 @@ std::set<std::string> names_in(const std::vector<TemplateWord>& words) {
 }
 
 std::string name_of_scale(const FitData& data) { return "scale of " + data.name; }
+
+std::string name_of_shift(const FitData& data) { return "wavelength shift of " + data.name; }
 
 double tolerance_of(const FitProblem& problem) {
     // Larger errors than the solver's own default are no reason to err more;
@@ -285,6 +325,11 @@ FitProblem checked(FitProblem problem) {
                                         .low = 1e-3,
                                         .high = 1e3,
                                         .scale = Unknown::Scale::logarithm});
+        if (data.free_wavelength_shift)
+            problem.unknowns.push_back({.name = name_of_shift(data),
+                                        .start = 0.0,
+                                        .low = -kLargestShiftNm,
+                                        .high = kLargestShiftNm});
     }
     for (const SceneText& text : problem.scene) {
         if (find_scene_word(text.word) == nullptr)

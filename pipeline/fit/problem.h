@@ -16,6 +16,8 @@ std::set<std::string> names_in(const std::vector<TemplateWord>& words);
 
 /// The unknown that a data set with a free scale brings.
 std::string name_of_scale(const FitData& data);
+/// Likewise with a free shift of its wavelengths.
+std::string name_of_shift(const FitData& data);
 
 /// Of the solver: a tenth of the smallest relative error of the data, within
 /// what makes sense.

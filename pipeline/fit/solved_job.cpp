@@ -9,6 +9,7 @@
 
 #include <miebrdf/colour.h>
 #include <miebrdf/error.h>
+#include "pipeline/fit/derived.h"
 #include "pipeline/fit/problem.h"
 
 namespace miebrdf::fitting {
@@ -178,9 +179,14 @@ class JobSolver {
 
 Request request_of(const FitProblem& problem, const std::vector<Slot>& slots, const Job& job,
                    std::span<const double> numbers, const std::vector<std::string>& names) {
+    const auto number_of = [&](const std::string& name) {
+        return numbers[slot_of(problem, slots, name, job.only_wavelength.value_or(0))];
+    };
     const auto text_of = [&](const std::string& name) {
-        const double number =
-            numbers[slot_of(problem, slots, name, job.only_wavelength.value_or(0))];
+        if (const DerivedNumber* derived = find_derived(problem, name))
+            return fmt::format("{}",
+                               derived_number(*derived, job.wavelength_nm.front(), number_of));
+        const double number = number_of(name);
         const bool is_named = std::find(names.begin(), names.end(), name) != names.end();
         return is_named ? fmt::format("{{{}={}}}", name, number) : fmt::format("{}", number);
     };

@@ -37,11 +37,21 @@ struct Unknown {
 /// after `per wavelength,`. @throws UsageError  with what is allowed
 Unknown unknown(const std::string& name, const std::string& text);
 
+/// A number of the scene that follows from unknowns and the wavelength: `{name}` stands for it.
+struct DerivedNumber {
+    std::string name = {};
+    /// Of muParser, of names of unknowns and wavelength_nm: `a*(wavelength_nm/500)^-b`.
+    std::string formula = {};
+};
+
 /// A word of a scene with its values as somebody would type them.
 struct SceneText {
     std::string word = {};
     std::vector<std::string> values = {};
 };
+
+/// The largest error of a wavelength axis that is looked for, nm.
+inline constexpr double kLargestShiftNm = 20.0;
 
 /// Values that were measured of one scene.
 struct FitData {
@@ -52,8 +62,16 @@ struct FitData {
     std::vector<SceneText> scene = {};  ///< words that differ from the problem's; no values: none
     std::vector<std::string> doubts = {};  ///< of their file: FitResult::notes repeats them
     bool free_scale = false;               ///< the values are known up to one common factor
-    double diffuse_fraction = 0.0;         ///< of hdrf, in [0, 1]
-    Viewing viewing = {};                  ///< of Lab, of the plane albedo over 400 to 700 nm
+    /// Added to the wavelengths of the values, within +-kLargestShiftNm: of an axis that is off;
+    /// where it is free it is found.
+    double wavelength_shift_nm = 0.0;
+    bool free_wavelength_shift = false;
+    /// Full width at half maximum of the Gaussian band that a value is a mean over, 0 to 200 nm.
+    double band_width_nm = 0.0;
+    /// Errors of neighbours in a spectrum are correlated by exp(-distance / this); 0: independent.
+    double correlation_length_nm = 0.0;
+    double diffuse_fraction = 0.0;  ///< of hdrf, in [0, 1]
+    Viewing viewing = {};           ///< of Lab, of the plane albedo over 400 to 700 nm
 };
 
 /// How residuals beyond a few sigma count: as their square, linearly (Huber),
@@ -64,6 +82,7 @@ enum class FitLoss { squares, huber, cauchy };
 struct FitProblem {
     std::vector<SceneText> scene = {};  ///< words of a scene file; values may hold {name}
     std::vector<Unknown> unknowns = {};
+    std::vector<DerivedNumber> derived = {};
     std::vector<FitData> data = {};
     /// The given start, then points that fill the bounds evenly, 1 to 1000; 0: six where no unknown
     /// changes spheres, else one.
