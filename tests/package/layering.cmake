@@ -37,7 +37,7 @@ set(allowed_pipeline/measured_brdf pipeline/measured materials/readers rte/math)
 set(allowed_pipeline/plot pipeline/solve pipeline/io)
 set(allowed_pipeline/report pipeline/scene pipeline/solve pipeline/io)
 set(allowed_pipeline/render pipeline/scene pipeline/solve pipeline/io)
-set(allowed_pipeline/fit pipeline/measured pipeline/scene pipeline/solve pipeline/io)
+set(allowed_pipeline/fit pipeline/measured pipeline/scene pipeline/solve pipeline/io materials/index)
 set(allowed_pipeline/sweep pipeline/scene pipeline/solve pipeline/cache pipeline/io materials/database materials/readers)
 
 set(areas_seen_by_materials materials)

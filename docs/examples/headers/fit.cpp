@@ -23,6 +23,8 @@ void show_fit() {
     FitData data;
     data.values = {reflectance};
     problem.data = {data};
+    // A number of the scene by a formula, for `{mus}` in its words; none of this one's words has it.
+    problem.derived = {DerivedNumber{"mus", "10*w*(wavelength_nm/500)^-1.2"}};
     problem.loss = FitLoss::squares;
 
     const FitResult found = fit(problem);
