@@ -185,7 +185,7 @@ def test_unknown_materials_are_key_errors_with_the_nearest_names():
 def test_wavelengths_that_a_material_does_not_cover_are_input_errors():
     with pytest.raises(miebrdf.InputError, match="180") as caught:
         miebrdf.materials["TiO2"].nk([550, 50])
-    assert caught.value.field == "wavelength_nm"
+    assert caught.value.field == "wavelengths_nm"
 
 
 def test_spheres_broadcast_and_refuse():

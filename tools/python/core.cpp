@@ -21,12 +21,12 @@ void raise(const char* name, const Error& error, py::dict facts = {}) {
     // As arguments of the package are called.
     std::string text = error.what();
     std::string field = error.field();
-    for (const auto& [name, argument] :
+    for (const auto& [word, argument] :
          {std::pair<std::string, std::string>{"beckmann_alpha", "roughness"},
           {"wavelength_nm", "wavelengths_nm"}}) {
-        if (field != name) continue;
+        if (field != word) continue;
         field = argument;
-        if (text.starts_with(name)) text.replace(0, name.size(), argument);
+        if (text.starts_with(word)) text.replace(0, word.size(), argument);
         break;
     }
     const py::object instance = cls(text);
