@@ -23,7 +23,7 @@ void show_fit() {
     FitData data;
     data.values = {reflectance};
     problem.data = {data};
-    // A number of the scene by a formula, for `{mus}` in its words; none of this one's words has it.
+    // A number by a formula: `{mus}` in words of a scene, which this one has not.
     problem.derived = {DerivedNumber{"mus", "10*w*(wavelength_nm/500)^-1.2"}};
     problem.loss = FitLoss::squares;
 
