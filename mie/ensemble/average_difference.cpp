@@ -11,7 +11,6 @@
 
 #include <miebrdf/error.h>
 #include "mie/ensemble/changed_sums.h"
-#include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/fixed_radii.h"
 #include "mie/ensemble/matrix_average.h"
 #include "mie/ensemble/moment_transform.h"
@@ -19,13 +18,10 @@
 #include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/phase_table.h"
 #include "mie/ensemble/ray_average.h"
-#include "mie/ensemble/size_passes.h"
 #include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
 namespace {
-
-using Rule = SizePasses::Rule;
 
 struct DifferenceRule {
     /// For the products at angles.
@@ -200,41 +196,18 @@ class DifferenceSums {
         std::vector<SpheresChange> spheres;
         spheres.reserve(changes.size());
         for (const EnsembleChange& change : changes) spheres.push_back(fixed.change(change));
-        const bool in_single = radii.rule == Rule::even && !options_.with_matrix &&
+        const bool in_single = radii.is_even && !options_.with_matrix &&
                                middle_.tolerance >= DifferenceRule::kLeastSingleTolerance;
         sums_ = in_single ? sums<float>(fixed, spheres) : sums<double>(fixed, spheres);
         if (options_.band_width >= 0) transform_.emplace(options_.terms, options_.band_width);
-        const Ensemble& ensemble = fixed.ensemble();
-        const bool knows_extinction =
-            radii.rule == Rule::even && ensemble.law().analytic && ensemble.scatterer.is_plain();
-        const auto exact = [&](const EnsembleRequest& request) {
-            const Ensemble own = ensemble_of(request);
-            return exact_extinction(own, run_) / own.share;
-        };
-        const double factor = 2 / ensemble.share;
+        const double factor = 2 / fixed.ensemble().share;
         q_abs_ = factor * sums_.middle.spheres.absorbed;
-        // As in averages: what is absorbed in resonances between the sizes.
-        std::optional<RayAbsorption> rays;
-        if (radii.rule == Rule::even) rays = absorption_by_rays(ensemble, run_);
-        if (rays && !(rays->error < radii.absorption_error)) rays.reset();
-        if (rays) q_abs_ = rays->q_abs;
-        q_ext_ =
-            knows_extinction ? exact(middle_) : q_abs_ + factor * sums_.middle.spheres.scattered;
+        q_ext_ = q_abs_ + factor * sums_.middle.spheres.scattered;
         std::vector<EnsembleDifference> all;
         all.reserve(changes.size());
-        for (std::size_t c = 0; c < changes.size(); ++c) {
-            const SphereSums& more = sums_.differences[c].spheres;
-            // Coatings may come with the change. A single end has the ripple that its neighbours
-            // smooth.
-            const bool is_exact = knows_extinction && spheres[c].plus.scatterer.is_plain() &&
-                                  spheres[c].minus.scatterer.is_plain() &&
-                                  (spheres[c].spheres_differ || !ensemble.law().has_ends);
-            const double q_ext = is_exact ? exact(changes[c].plus) - exact(changes[c].minus)
-                                          : factor * (more.scattered + more.absorbed);
-            const auto q_abs = rays ? absorbed_by_rays(changes[c]) : std::nullopt;
-            all.push_back(
-                difference(sums_.differences[c], q_abs.value_or(factor * more.absorbed), q_ext));
-        }
+        for (const SizeSums& more : sums_.differences)
+            all.push_back(difference(more, factor * more.spheres.absorbed,
+                                     factor * (more.spheres.scattered + more.spheres.absorbed)));
         return all;
     }
 
@@ -251,16 +224,6 @@ class DifferenceSums {
         }
         return sums_with_changes<Scalar>(fixed.radius_um(), fixed.spheres(middle_), changes,
                                          options_, angles ? &*angles : nullptr, run_);
-    }
-
-    std::optional<double> absorbed_by_rays(const EnsembleChange& change) const {
-        if (!has_room(middle_, change)) return std::nullopt;
-        const auto rays = [&](const EnsembleRequest& side) {
-            return absorption_by_rays(ensemble_of(farther(middle_, side)), run_);
-        };
-        const auto a = rays(change.plus), b = rays(change.minus);
-        if (!a || !b) return std::nullopt;
-        return (a->q_abs - b->q_abs) / DifferenceRule::kRaySteps;
     }
 
     EnsembleDifference difference(const SizeSums& more, double q_abs, double q_ext) const {

@@ -4,22 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <miebrdf/error.h>
 #include "mie/ensemble/adaptive_phase.h"
 #include "mie/ensemble/moment_transform.h"
 #include "mie/ensemble/particle_ensemble.h"
+#include "mie/ensemble/phase_series.h"
 #include "mie/ensemble/ray_average.h"
-#include "mie/ensemble/size_passes.h"
+#include "mie/ensemble/size_refinement.h"
 #include "mie/ensemble/spheroid_average.h"
-#include "rte/math/quadrature.h"
 
 namespace miebrdf::mie {
 namespace {
-
-using Rule = SizePasses::Rule;
 
 // docs/internals/constants.md says what each constant does.
 struct AverageRule {
@@ -34,14 +31,10 @@ struct AverageRule {
     static constexpr double kTableShare = 0.08;
 };
 
-// A medium that reflects little reflects P itself, and moments matter by the square of how dark it
-// is.
-struct DarkMedium {
-    static constexpr double kDark = 0.2;  ///< spherical albedo of a half-space
-    static constexpr double kLeastShare = 1e-3;
-    /// P is then wanted better, too, but not of spheres for which that would be dear: those of a
-    /// larger size parameter than the first, which ripple, or than the second, where a table by
-    /// sizes takes a second (and the cube of that).
+/// P of dark media is wanted better, but not of spheres for which that would be dear: those of a
+/// larger size parameter than the first, which ripple, or than the second, where a table by sizes
+/// takes a second (and the cube of that).
+struct DarkTable {
     static constexpr double kFewWaves = 300, kFewDampedWaves = 2000;
 };
 
@@ -50,264 +43,107 @@ struct RayTable {
     static constexpr double kBiasShare = 0.25;
 };
 
-/// Moments from the intensity at Gauss nodes in cos(angle), for ensembles whose bands of products
-/// would be as wide as they are long. P has the degree 2 * terms, so that nothing but rounding is
-/// lost; in double precision. Each size takes as many multiply-adds as 8 * terms * nodes, where a
-/// band with all moments has twice as few, but takes terms^3 after each pass.
-class GaussMoments {
-  public:
-    /// @param terms           partial waves of the largest sphere
-    /// @param highest_moment  0 to 2 * terms
-    GaussMoments(int terms, int highest_moment, const Executor& run)
-        : highest_(highest_moment),
-          rule_(math::gauss_legendre(terms + highest_moment / 2 + 1)),
-          angles_(Eigen::Map<const Eigen::ArrayXd>(rule_.nodes.data(),
-                                                   Eigen::Index(rule_.nodes.size())),
-                  terms, run) {}
+// Where moments come from. Few are sums over a band of products of partial waves, as wide as they
+// are many; its transform takes the cube of that. A table of P that there is anyway has them for
+// nothing, and nearly all of them are as cheap at Gauss angles.
+enum class MomentSource { band, gauss_angles, table };
 
-    const AngularFunctions& angles() const { return angles_; }
-    /// chi_0 ... chi_highest from what the angles have summed, times an unknown factor.
-    std::vector<double> of(const Eigen::VectorXd& intensity) const {
-        const Eigen::Index count = intensity.size();
-        const Eigen::Map<const Eigen::ArrayXd> x(rule_.nodes.data(), count);
-        const Eigen::Map<const Eigen::ArrayXd> weights(rule_.weights.data(), count);
-        const Eigen::ArrayXd values = weights * intensity.array();
-        Eigen::ArrayXd before = Eigen::ArrayXd::Zero(count), here = Eigen::ArrayXd::Ones(count);
-        std::vector<double> moments;
-        for (int l = 0; l <= highest_; ++l) {
-            moments.push_back((values * here).sum());
-            before = ((2.0 * l + 1) / (l + 1.0)) * x * here - (l / (l + 1.0)) * before;
-            before.swap(here);
+MomentSource moment_source(const EnsembleRequest& request, int terms) {
+    const int moments = request.highest_moment;
+    if (moments <= AverageLimits::kMostBandWidth) return MomentSource::band;
+    const bool is_wide = request.with_phase_table || moments > terms / 5;
+    const bool from_table = request.tolerance >= AverageRule::kLeastTableTolerance
+                                ? is_wide
+                                : terms > AverageRule::kMostTermsAtAngles;
+    if (from_table) return MomentSource::table;
+    return moments > terms / 2 ? MomentSource::gauss_angles : MomentSource::band;
+}
+
+// The width of the band: of moments from a table the first, which the band has better.
+int band_width(const EnsembleRequest& request, MomentSource source) {
+    return source == MomentSource::table ? AverageLimits::kSafeBandWidth : request.highest_moment;
+}
+
+// Efficiencies and moments of spheres.
+class MomentSummation : public SizeSummation {
+  public:
+    MomentSummation(const EnsembleRequest& request, const Ensemble& ensemble, MomentSource source,
+                    const Executor& run)
+        : request_(request),
+          ensemble_(ensemble),
+          run_(run),
+          terms_(ensemble.terms()),
+          band_width_(band_width(request, source)) {
+        if (source == MomentSource::gauss_angles) {
+            at_angles_.emplace(terms_, std::min(request.highest_moment, 2 * terms_), run);
+        } else if (request.highest_moment >= 2) {  // chi_0 = 1 and chi_1 = g come free
+            transform_.emplace(terms_, band_width_);
         }
-        return moments;
+        in_single_ =
+            !is_smooth_in_size(ensemble) && request.tolerance >= AverageRule::kLeastSingleTolerance;
+    }
+
+    SizeSums sum(const SizeNodes& nodes, bool all) const override {
+        SizeSumOptions options;
+        options.terms = terms_;
+        if (all && at_angles_) options.angles = &at_angles_->angles();
+        if (all && transform_) options.band_width = band_width_;
+        options.single_precision = in_single_;
+        return sum_over_sizes(ensemble_.scatterer,
+                              WeightedSizes(nodes, ensemble_.wave_number_per_um), options, run_);
+    }
+
+    /// chi_0 = 1 ... of the band.
+    Eigen::ArrayXd averages(const SizeSums& sums) const override {
+        if (!at_angles_ && !transform_) return {};
+        std::vector<double> chi =
+            at_angles_ ? at_angles_->of(sums.intensity) : (*transform_)(sums.covariance, run_);
+        chi.resize(std::size_t(band_width_) + 1, 0.0);
+        return Eigen::Map<const Eigen::ArrayXd>(chi.data(), Eigen::Index(chi.size())) / chi[0];
+    }
+
+    double tolerance(const SphereSums& sums) const override {
+        return wanted_error(request_, efficiencies_of(sums, ensemble_.share));
+    }
+
+    /// So many that time allows.
+    int most_sizes() const {
+        const int columns = at_angles_ ? at_angles_->angles().angle_count() : band_width_ + 1;
+        return int(std::min(double(SizeRule::kMostEven),
+                            AverageLimits::kMostProducts / (4.0 * terms_ * std::max(1, columns))));
     }
 
   private:
-    int highest_;
-    math::Quadrature rule_;
-    AngularFunctions angles_;
-};
-
-// Largest of the relative changes of extinction and albedo and the absolute ones of asymmetry and
-// moments.
-double largest_change(const EnsembleOptics& a, const EnsembleOptics& b) {
-    double change = std::max({std::abs(a.q_ext / b.q_ext - 1),
-                              std::abs(a.single_scattering_albedo / b.single_scattering_albedo - 1),
-                              std::abs(a.asymmetry - b.asymmetry)});
-    for (std::size_t l = 0; l < a.chi.size(); ++l)
-        change = std::max(change, std::abs(a.chi[l] - b.chi[l]));
-    return change;
-}
-
-// The change of the albedo of a half-space by a relative one of the absorption. A half-space of
-// similar spheres has an albedo A with 1 - A about sqrt(6 (1 - omega) / (1 - omega g)):
-// d(1 - A) = (1 - A)/2 d ln(1 - omega), at most 0.15.
-double change_by_absorption(const EnsembleOptics& optics, double relative) {
-    return relative * std::min(0.15, 0.5 * std::sqrt(6 * similar_absorption(optics)));
-}
-
-// The average over sizes: passes of more sizes until the error estimate is met. Computes everything
-// when it is made.
-class EnsembleAverage {
-  public:
-    EnsembleAverage(const EnsembleRequest& request, const Executor& run);
-
-    const EnsembleOptics& optics() const { return optics_; }
-
-  private:
-    void choose_moments();
-    bool take_rays();
-    int band_width() const;
-    SizeSumOptions sum_options() const;
-    void add_pass();
-    EnsembleOptics optics_of(const SizeSums& sums) const;
-    void estimate_errors(const EnsembleOptics& before);
-    bool is_enough() const;
-    bool is_worth_more_sizes() const;
-    void put_exact_extinction();
-    void put_phase_table();
-    void put_phase();
-
-    EnsembleRequest request_;
+    const EnsembleRequest& request_;
+    const Ensemble& ensemble_;
     const Executor& run_;
-    Ensemble ensemble_;
-    double tail_;  // of the geometric cross-section, outside the range of sizes
-    int terms_;
-    SizePasses passes_;
-    bool moments_from_table_ = false;
-    std::optional<GaussMoments> at_angles_;     // where moments come from angles, and no table
-    std::optional<MomentTransform> transform_;  // the same for all passes
-    std::optional<RayAbsorption> absorption_;   // where sizes may miss resonances
-    bool by_rays_ = false;                      // whether they do: absorption_ is better
-    bool gains_nothing_ = false;                // more sizes do not
-    EnsembleOptics optics_;
+    int terms_, band_width_;
+    bool in_single_;
+    std::optional<GaussMoments> at_angles_ = {};
+    std::optional<MomentTransform> transform_ = {};
 };
 
-Ensemble valid_ensemble(const EnsembleRequest& request) {
-    require_average(request);
-    return ensemble_of(request);
+EnsembleOptics average_over_spheres(const EnsembleRequest& request, const Ensemble& ensemble,
+                                    MomentSource source, const Executor& run) {
+    const MomentSummation summation(request, ensemble, source, run);
+    const RefinedAverage average =
+        refine_sizes(ensemble, summation, request.tolerance, summation.most_sizes());
+    EnsembleOptics optics = efficiencies_of(average.sums.spheres, ensemble.share);
+    optics.size_nodes = average.sizes;
+    optics.error_estimate = average.error_estimate;
+    optics.converged = optics.error_estimate <= request.tolerance;
+    optics.chi.assign(average.averages.begin(), average.averages.end());
+    if (optics.chi.empty() && request.highest_moment >= 0) optics.chi = {1.0, optics.asymmetry};
+    // The sums of g go on when those of moments have ended.
+    if (request.highest_moment >= 1) optics.chi[1] = optics.asymmetry;
+    if (request.highest_moment == 0) optics.chi.resize(1);
+    return optics;
 }
 
-EnsembleAverage::EnsembleAverage(const EnsembleRequest& request, const Executor& run)
-    : request_(request),
-      run_(run),
-      ensemble_(valid_ensemble(request)),
-      tail_(tail_for(request)),
-      terms_(ensemble_.terms()),
-      passes_(ensemble_) {
-    choose_moments();
-    if (!take_rays()) {
-        if (passes_.rule() == Rule::even) absorption_ = absorption_by_rays(ensemble_, run_);
-        do {
-            add_pass();
-        } while (!is_enough() && is_worth_more_sizes() && passes_.refine());
-    }
-    if (!request_.angles_deg.empty()) put_phase();
-    if (request_.with_phase_table || moments_from_table_) put_phase_table();
-}
-
-// Few moments are sums over a band of products of partial waves, as wide as they are many; its
-// transform takes the cube of that. A table of P that there is anyway has them for nothing.
-void EnsembleAverage::choose_moments() {
-    const int moments = request_.highest_moment;
-    if (moments <= AverageLimits::kMostBandWidth) return;
-    const bool is_wide = request_.with_phase_table || moments > terms_ / 5;
-    if (request_.tolerance >= AverageRule::kLeastTableTolerance
-            ? is_wide
-            : terms_ > AverageRule::kMostTermsAtAngles) {
-        moments_from_table_ = true;
-    } else if (moments > terms_ / 2) {
-        at_angles_.emplace(terms_, std::min(moments, 2 * terms_), run_);
-    }
-}
-
-// Broad distributions of large rippling spheres: no sizes are sampled for their ripple.
-bool EnsembleAverage::take_rays() {
-    if (passes_.rule() != Rule::even || at_angles_) return false;
-    const auto rays = average_over_rays(ensemble_, band_width(), request_.tolerance, run_);
-    if (!rays) return false;
-    optics_ = *rays;
-    optics_.error_estimate = std::max({optics_.error_estimate, AverageLimits::kRounding, tail_});
-    return is_enough();
-}
-
-int EnsembleAverage::band_width() const {
-    return moments_from_table_ ? AverageLimits::kSafeBandWidth : request_.highest_moment;
-}
-
-SizeSumOptions EnsembleAverage::sum_options() const {
-    SizeSumOptions options;
-    options.terms = terms_;
-    if (at_angles_) {
-        options.angles = &at_angles_->angles();
-    } else if (request_.highest_moment >= 2) {  // chi_0 = 1 and chi_1 = g come free
-        options.band_width = band_width();
-    }
-    options.single_precision =
-        passes_.rule() == Rule::even && request_.tolerance >= AverageRule::kLeastSingleTolerance;
-    return options;
-}
-
-// One pass over more sizes, and what is known after it.
-void EnsembleAverage::add_pass() {
-    if (request_.highest_moment >= 2 && !at_angles_ && !transform_)
-        transform_.emplace(terms_, band_width());
-    const EnsembleOptics before = std::move(optics_);
-    optics_ = optics_of(passes_.add(sum_options(), run_));
-    optics_.size_nodes = passes_.sizes_so_far();
-    estimate_errors(before);
-    if (passes_.exact_q_ext() > 0) put_exact_extinction();
-    optics_.converged = optics_.error_estimate <= request_.tolerance;
-}
-
-// A half-space that reflects little is made of small differences of moments: for radiative transfer
-// they are wanted better by the square of how dark it is.
-bool EnsembleAverage::is_enough() const {
-    double share = 1.0;
-    if (request_.phase_floor > 0)
-        share = std::clamp(std::pow(half_space_albedo(optics_) / DarkMedium::kDark, 2),
-                           DarkMedium::kLeastShare, 1.0);
-    return optics_.converged && optics_.error_estimate <= share * request_.tolerance;
-}
-
-bool EnsembleAverage::is_worth_more_sizes() const {
-    // What is wanted for a dark medium beyond the tolerance is not worth sampling ripple.
-    if (gains_nothing_ || (optics_.converged && passes_.ends_smooth())) return false;
-    if (!at_angles_) return true;
-    const double products =
-        4.0 * terms_ * at_angles_->angles().angle_count() * passes_.sizes_so_far();
-    return products <= AverageLimits::kMostProducts;
-}
-
-EnsembleOptics EnsembleAverage::optics_of(const SizeSums& sums) const {
-    EnsembleOptics o;
-    o.q_sca = 2 * sums.spheres.scattered / ensemble_.share;
-    o.q_abs = 2 * sums.spheres.absorbed / ensemble_.share;
-    o.q_ext = o.q_sca + o.q_abs;
-    o.one_minus_albedo = o.q_abs / o.q_ext;
-    o.single_scattering_albedo = o.q_sca / o.q_ext;
-    o.asymmetry = 2 * sums.spheres.asymmetric / sums.spheres.scattered;
-    if (request_.highest_moment >= 0) o.chi.push_back(1.0);
-    if (request_.highest_moment == 1) o.chi.push_back(o.asymmetry);
-    if (request_.highest_moment >= 2) {
-        o.chi = at_angles_ ? at_angles_->of(sums.intensity) : (*transform_)(sums.covariance, run_);
-        o.chi.resize(std::size_t(band_width()) + 1, 0.0);
-        const double whole = o.chi[0];
-        for (double& chi : o.chi) chi /= whole;
-    }
-    return o;
-}
-
-void EnsembleAverage::estimate_errors(const EnsembleOptics& before) {
-    const bool single = passes_.rule() == Rule::single;
-    optics_.error_estimate = single ? AverageLimits::kRounding : 1.0;
-    if (single || passes_.is_first()) return;
-    double of_absorption = 0;
-    if (before.one_minus_albedo > 0 && optics_.one_minus_albedo > 0)
-        of_absorption = std::abs(std::log(before.one_minus_albedo / optics_.one_minus_albedo));
-    const double of_sizes = of_absorption;
-    by_rays_ = absorption_ && absorption_->error < of_absorption;
-    if (by_rays_) of_absorption = absorption_->error;
-    const double absorption = change_by_absorption(optics_, of_absorption);
-    const double change = std::max(largest_change(before, optics_), absorption);
-    // Sampled against exact extinction tells which resonances the sizes have missed or hit too
-    // hard, but not what these absorb. Over 336 transparent ensembles the error of the moments was
-    // below 2.0 times this in 95 %.
-    const double exact = passes_.exact_q_ext();
-    const double missed = exact > 0 ? std::abs(optics_.q_ext / exact - 1) : change;
-    optics_.error_estimate =
-        passes_.error(change, missed, 1.0, absorption, std::max(AverageLimits::kRounding, tail_));
-    // Rays err by so much however many sizes there are, and sizes will not do better: what they
-    // miss of resonances falls with their number.
-    gains_nothing_ = by_rays_ && optics_.error_estimate <= absorption &&
-                     of_sizes * passes_.sizes_so_far() > absorption_->error * kNodeLimit;
-}
-
-// Extinction, and with it the albedo, need not carry the error of the nodes.
-void EnsembleAverage::put_exact_extinction() {
-    optics_.q_ext = passes_.exact_q_ext();
-    const double absorbed = by_rays_ ? absorption_->q_abs : optics_.q_abs;
-    optics_.q_abs = std::min(absorbed, optics_.q_ext);
-    optics_.q_sca = optics_.q_ext - optics_.q_abs;
-    optics_.one_minus_albedo = optics_.q_abs / optics_.q_ext;
-    optics_.single_scattering_albedo = optics_.q_sca / optics_.q_ext;
-}
-
-void EnsembleAverage::put_phase_table() {
-    PhaseGoal goal;
-    const bool ripples = ensemble_.ripples();
-    const bool is_cheap =
-        ensemble_.largest_x() < (ripples ? DarkMedium::kFewWaves : DarkMedium::kFewDampedWaves);
-    const bool is_dark = request_.phase_floor > 0 && (is_cheap || !ripples);
-    const double bright = is_dark ? half_space_albedo(optics_) : 1.0;
-    const double relaxed = is_cheap ? std::max(bright, DarkMedium::kLeastShare) : 1.0;
-    goal.interpolation_tolerance = relaxed * request_.table_tolerance;
-    goal.size_tolerance = relaxed * request_.phase_tolerance;
-    goal.floor = bright * request_.phase_floor;
-    goal.scattering_efficiency = optics_.q_sca * ensemble_.share;
-    // Rays without the ends of the sizes where what these leave would be too much.
+// Rays without the ends of the sizes where what these leave would be too much.
+void choose_rays(const Ensemble& ensemble, PhaseGoal& goal) {
     for (const auto method : {PhaseMethod::rays, PhaseMethod::exact_rays}) {
-        const PhaseRayBias bias = phase_ray_bias(ensemble_, method == PhaseMethod::exact_rays);
+        const PhaseRayBias bias = phase_ray_bias(ensemble, method == PhaseMethod::exact_rays);
         const double at_floor = std::max(1.0, PhaseRayBias::kFloor / goal.floor);
         if (goal.method != PhaseMethod::sizes || !(bias.everywhere > 0) ||
             !(at_floor * bias.typical() <= RayTable::kBiasShare * goal.size_tolerance))
@@ -315,38 +151,64 @@ void EnsembleAverage::put_phase_table() {
         goal.method = method;
         goal.ray_bias = bias;
     }
-    if (moments_from_table_) {
-        goal.first_moment = AverageLimits::kSafeBandWidth + 1;
-        // Moments beyond 2 terms vanish: S1 and S2 are polynomials of degree terms.
-        goal.last_moment = std::min(request_.highest_moment, 2 * terms_);
-        goal.moment_tolerance = AverageRule::kTableShare * request_.tolerance;
-    }
-    TabulatedPhase tabulated = AdaptivePhase(ensemble_, goal, run_).table();
-    PhaseTable::Parts parts = tabulated.table.parts();
-    parts.gave_moments = moments_from_table_;
-    const auto table = std::make_shared<const PhaseTable>(PhaseTable(std::move(parts)));
-    if (request_.with_phase_table) optics_.phase_table = table;
-    if (!moments_from_table_) return;
-    if (goal.last_moment >= goal.first_moment) {  // else the band has them all
-        const std::vector<double> chi = table->moments(goal.last_moment, run_);
-        optics_.chi.insert(optics_.chi.end(), chi.begin() + goal.first_moment, chi.end());
-    }
-    optics_.chi.resize(request_.highest_moment + 1, 0.0);
-    optics_.error_estimate = std::max(optics_.error_estimate, tabulated.moment_error);
 }
 
-void EnsembleAverage::put_phase() {
-    PhaseValues values = phase_at_angles(request_, optics_.q_sca, run_);
-    optics_.phase = std::move(values.phase);
-    optics_.phase_error = std::move(values.error);
-    for (std::size_t i = 0; i < optics_.phase.size(); ++i) {
-        const double relative = optics_.phase_error[i] / optics_.phase[i];
-        optics_.phase_error_estimate =
-            std::max({optics_.phase_error_estimate, relative, AverageLimits::kRounding});
-        optics_.converged =
-            optics_.converged &&
-            (request_.phase_allowed.empty() ? relative <= request_.phase_tolerance
-                                            : optics_.phase_error[i] <= request_.phase_allowed[i]);
+bool has_table_by_series(const EnsembleRequest& request, const Ensemble& ensemble) {
+    if (!request.with_phase_table || !has_phase_series(ensemble)) return false;
+    PhaseGoal goal;
+    goal.size_tolerance = request.phase_tolerance;
+    goal.floor = request.phase_floor;
+    choose_rays(ensemble, goal);
+    return goal.method == PhaseMethod::sizes;
+}
+
+void put_phase_table(const EnsembleRequest& request, const Ensemble& ensemble, MomentSource source,
+                     const Executor& run, EnsembleOptics& optics) {
+    const bool gives_moments = source == MomentSource::table;
+    PhaseGoal goal;
+    const bool ripples = ensemble.ripples();
+    const bool is_cheap =
+        ensemble.largest_x() < (ripples ? DarkTable::kFewWaves : DarkTable::kFewDampedWaves);
+    const bool is_dark = request.phase_floor > 0 && (is_cheap || !ripples);
+    const double bright = is_dark ? half_space_albedo(optics) : 1.0;
+    const double relaxed = is_cheap ? std::max(bright, DarkMedium::kLeastShare) : 1.0;
+    goal.interpolation_tolerance = relaxed * request.table_tolerance;
+    goal.size_tolerance = relaxed * request.phase_tolerance;
+    goal.floor = bright * request.phase_floor;
+    goal.scattering_efficiency = optics.q_sca * ensemble.share;
+    choose_rays(ensemble, goal);
+    if (gives_moments) {
+        goal.first_moment = AverageLimits::kSafeBandWidth + 1;
+        // Moments beyond 2 terms vanish: S1 and S2 are polynomials of degree terms.
+        goal.last_moment = std::min(request.highest_moment, 2 * ensemble.terms());
+        goal.moment_tolerance = AverageRule::kTableShare * request.tolerance;
+    }
+    TabulatedPhase tabulated = AdaptivePhase(ensemble, goal, run).table();
+    PhaseTable::Parts parts = tabulated.table.parts();
+    parts.gave_moments = gives_moments;
+    const auto table = std::make_shared<const PhaseTable>(PhaseTable(std::move(parts)));
+    if (request.with_phase_table) optics.phase_table = table;
+    if (!gives_moments) return;
+    if (goal.last_moment >= goal.first_moment) {  // else the band has them all
+        const std::vector<double> chi = table->moments(goal.last_moment, run);
+        optics.chi.insert(optics.chi.end(), chi.begin() + goal.first_moment, chi.end());
+    }
+    optics.chi.resize(request.highest_moment + 1, 0.0);
+    optics.error_estimate = std::max(optics.error_estimate, tabulated.moment_error);
+}
+
+void put_phase(const EnsembleRequest& request, const Executor& run, EnsembleOptics& optics) {
+    PhaseValues values = phase_at_angles(request, optics.q_sca, run);
+    optics.phase = std::move(values.phase);
+    optics.phase_error = std::move(values.error);
+    for (std::size_t i = 0; i < optics.phase.size(); ++i) {
+        const double relative = optics.phase_error[i] / optics.phase[i];
+        optics.phase_error_estimate =
+            std::max({optics.phase_error_estimate, relative, AverageLimits::kRounding});
+        optics.converged =
+            optics.converged &&
+            (request.phase_allowed.empty() ? relative <= request.phase_tolerance
+                                           : optics.phase_error[i] <= request.phase_allowed[i]);
     }
 }
 
@@ -368,6 +230,9 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     goal.scattering_efficiency = q_sca * ensemble.share;
     goal.ray_bias = phase_ray_bias(ensemble, true);
     if (goal.ray_bias.everywhere > 0) goal.method = PhaseMethod::exact_rays;
+    if (goal.method == PhaseMethod::sizes && has_phase_series(ensemble) &&
+        !ensemble.law().single_size)
+        return phase_series_at_angles(request, ensemble, pieces);
     if (goal.method != PhaseMethod::sizes && !(q_sca > 0)) {
         const auto rays = average_over_rays(ensemble, 1, request.tolerance, pieces);
         if (rays) goal.scattering_efficiency = rays->q_sca * ensemble.share;
@@ -382,24 +247,44 @@ void require_average(const EnsembleRequest& request) {
     const Ensemble ensemble = ensemble_of(request);
     // Orders are those of the outermost shell.
     const double largest = ensemble.scatterer.outer_x(ensemble.largest_x());
-    if (!(ensemble.smallest_x() >= 1e-30 && largest <= 1e5)) {
+    if (!(ensemble.smallest_x() >= 1e-30 && largest <= kLargestInEnsemble)) {
         throw UsageError("size parameters",
                          fmt::format("{} to {}{}", ensemble.smallest_x(), largest,
                                      largest > ensemble.largest_x() ? " with coatings" : ""),
-                         "1e-30 to 1e5 in an ensemble");
+                         fmt::format("1e-30 to {:g} in an ensemble", kLargestInEnsemble));
     }
 }
 
 EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor& run) {
+    require_average(request);
     const Executor pieces = flushing(run);
     if (request.aspect) {
-        require_average(request);
         EnsembleOptics optics = average_spheroids(request, pieces).optics;
         optics.chi.resize(static_cast<std::size_t>(request.highest_moment + 1));
         if (!request.with_phase_table) optics.phase_table = nullptr;
         return optics;
     }
-    return EnsembleAverage(request, pieces).optics();
+    const Ensemble ensemble = ensemble_of(request);
+    if (has_table_by_series(request, ensemble)) {
+        EnsembleOptics optics = average_phase_series(request, ensemble, pieces);
+        if (!request.angles_deg.empty()) put_phase(request, pieces, optics);
+        return optics;
+    }
+    const MomentSource source = moment_source(request, ensemble.terms());
+    std::optional<EnsembleOptics> optics;
+    if (source != MomentSource::gauss_angles)
+        optics =
+            average_over_rays(ensemble, band_width(request, source), request.tolerance, pieces);
+    const double wanted = optics ? wanted_error(request, *optics) : 0.0;
+    if (optics && optics->error_estimate <= wanted) {
+        optics->error_estimate = std::max(optics->error_estimate, SizeRule::kLeastStated * wanted);
+    } else {
+        optics = average_over_spheres(request, ensemble, source, pieces);
+    }
+    if (!request.angles_deg.empty()) put_phase(request, pieces, *optics);
+    if (request.with_phase_table || source == MomentSource::table)
+        put_phase_table(request, ensemble, source, pieces, *optics);
+    return *std::move(optics);
 }
 
 int highest_moment_of(const EnsembleRequest& request) {

@@ -6,19 +6,18 @@
 #include <numbers>
 #include <utility>
 
+#include "mie/ensemble/size_refinement.h"
 #include "mie/sizes/size_law.h"
 #include "mie/sizes/size_nodes.h"
 
 namespace miebrdf::mie {
 namespace {
 
-using Rule = SizePasses::Rule;
-
 /// Radii around a sharp end of a law, by which what it gains there is told: the end alone where
 /// spheres are smooth in size; else as many as see all phases of ripple and interference, with
 /// weights that have no edges and no second moment: what is smooth there is the value at the end.
-SizeNodes nodes_at_end(const Ensemble& ensemble, double end_um, Rule rule) {
-    if (rule != Rule::even) return {{end_um}, {1.0}};
+SizeNodes nodes_at_end(const Ensemble& ensemble, double end_um, bool is_even) {
+    if (!is_even) return {{end_um}, {1.0}};
     const double period = ensemble.scatterer.ripple_period(),
                  x = ensemble.wave_number_per_um * end_um;
     const double interference =
@@ -37,36 +36,38 @@ SizeNodes nodes_at_end(const Ensemble& ensemble, double end_um, Rule rule) {
 }  // namespace
 
 Radii radii_of(const EnsembleRequest& request, double most, const Executor& run) {
+    // Efficiencies and g.
+    class Summation : public SizeSummation {
+      public:
+        Summation(const EnsembleRequest& request, const Ensemble& ensemble, const Executor& run)
+            : request_(request), ensemble_(ensemble), run_(run) {}
+        SizeSums sum(const SizeNodes& nodes, bool) const override {
+            return sum_over_sizes(ensemble_.scatterer,
+                                  WeightedSizes(nodes, ensemble_.wave_number_per_um),
+                                  {.terms = ensemble_.terms()}, run_);
+        }
+        Eigen::ArrayXd averages(const SizeSums&) const override { return {}; }
+        double tolerance(const SphereSums&) const override {
+            return RadiiRule::kShareOfTolerance * request_.tolerance;
+        }
+
+      private:
+        const EnsembleRequest& request_;
+        const Ensemble& ensemble_;
+        const Executor& run_;
+    };
     const Ensemble ensemble = ensemble_of(request);
-    SizePasses passes(ensemble);
-    if (passes.rule() == Rule::single)
-        return {Rule::single, {ensemble.range.largest_um}, {1.0}, 0.0};
-    SizeSumOptions options;
-    options.terms = ensemble.terms();
-    double before = 0.0, absorbed = 0.0, absorption_error = 1.0, error = 1.0;
-    while (true) {
-        const SizeSums& sums = passes.add(options, run);
-        const double q_ext = 2 * (sums.spheres.scattered + sums.spheres.absorbed) / ensemble.share;
-        const double change = before > 0.0 ? std::abs(q_ext / before - 1) : 1.0;
-        const double exact = passes.exact_q_ext();
-        const double missed = exact > 0 ? std::abs(q_ext / exact - 1) : change;
-        error = passes.is_first() ? 1.0 : passes.error(change, missed, 0.25, 0.0, 1e-13);
-        before = q_ext;
-        const double last = std::exchange(absorbed, sums.spheres.absorbed);
-        if (last > 0.0 && absorbed > 0.0) absorption_error = std::abs(std::log(absorbed / last));
-        if (error <= RadiiRule::kShareOfTolerance * request.tolerance ||
-            passes.sizes_so_far() >= most || !passes.refine())
-            break;
-    }
-    const bool is_smooth = passes.rule() == Rule::smooth;
-    const int wanted = RadiiRule::kTimesAsManySizes * passes.sizes_so_far();
-    const int count = std::max(
-        16, int(std::min({double(wanted), most,
-                          double(is_smooth ? RadiiRule::kMostSmooth : RadiiRule::kMostSizes)})));
-    const SizeNodes nodes = is_smooth ? smooth_size_nodes(request.sizes, ensemble.range, count)
-                                      : even_size_nodes(request.sizes, ensemble.range, count, 0.5);
+    if (ensemble.law().single_size) return {{ensemble.range.largest_um}, {1.0}};
+    const RefinedAverage average = refine_sizes(ensemble, Summation(request, ensemble, run),
+                                                RadiiRule::kShareOfTolerance * request.tolerance,
+                                                int(std::min(most, double(RadiiRule::kMostSizes))));
+    const int wanted = RadiiRule::kTimesAsManySizes * average.sizes;
+    const int count = std::max(SizeRule::kFirstGauss, int(std::min(double(wanted), most)));
+    const SizeNodes nodes = average.is_smooth
+                                ? smooth_size_nodes(request.sizes, ensemble.range, count)
+                                : even_size_nodes(request.sizes, ensemble.range, count, 0.5);
     const auto density = area_density(request.sizes);
-    Radii radii{passes.rule(), nodes.radius_um, {}, absorption_error};
+    Radii radii{nodes.radius_um, {}, !average.is_smooth};
     for (std::size_t i = 0; i < nodes.radius_um.size(); ++i)
         radii.length_um.push_back(nodes.area_share[i] / density->at(nodes.radius_um[i]));
     return radii;
@@ -76,12 +77,12 @@ FixedRadii::FixedRadii(const EnsembleRequest& middle, const Radii& radii)
     : ensemble_(ensemble_of(middle)),
       n_(middle.refractive_index.real()),
       radii_(radii),
-      has_ends_(radii.rule != Rule::single && ensemble_.law().has_ends) {
+      has_ends_(!ensemble_.law().single_size && ensemble_.law().has_ends) {
     for (std::size_t i = 0; i < radii.radius_um.size(); ++i)
         places_.push_back({radii.radius_um[i], radii.length_um[i], 0.0, 0.0});
     if (has_ends_) {
         const auto add = [&](double end_um, double Place::*share) {
-            const SizeNodes nodes = nodes_at_end(ensemble_, end_um, radii.rule);
+            const SizeNodes nodes = nodes_at_end(ensemble_, end_um, radii.is_even);
             for (std::size_t i = 0; i < nodes.radius_um.size(); ++i) {
                 Place& place = places_.emplace_back(Place{nodes.radius_um[i], 0.0, 0.0, 0.0});
                 place.*share = nodes.area_share[i];
@@ -104,7 +105,7 @@ std::vector<double> FixedRadii::radius_um() const {
 SpheresAtRadii FixedRadii::spheres(const EnsembleRequest& request) const {
     const Ensemble own = ensemble_of(request);
     SpheresAtRadii at{own.scatterer, own.wave_number_per_um, {}};
-    if (radii_.rule == Rule::single) {
+    if (ensemble_.law().single_size) {
         at.x_per_um *= own.range.largest_um / ensemble_.range.largest_um;
         at.area_share = {1.0};
         return at;

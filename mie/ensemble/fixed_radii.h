@@ -7,7 +7,6 @@
 
 #include "mie/ensemble/changed_sums.h"
 #include "mie/ensemble/particle_ensemble.h"
-#include "mie/ensemble/size_passes.h"
 
 namespace miebrdf::mie {
 
@@ -18,7 +17,7 @@ struct RadiiRule {
     static constexpr int kTimesAsManySizes = 2;
     static constexpr double kShareOfTolerance = 0.1;
     /// Sizes at most; where there are angles, as many as take about a second.
-    static constexpr int kMostSizes = 8192, kMostSmooth = 512;
+    static constexpr int kMostSizes = 8192;
     /// A sharp end is spread over a period of interference, or so many of ripple, to both sides,
     /// but over no more than this share of its radius.
     static constexpr double kPeriods = 4, kSizesPerPeriod = 2.5, kWidest = 0.01;
@@ -26,9 +25,8 @@ struct RadiiRule {
 
 /// Radii, and the length of radius that each stands for.
 struct Radii {
-    SizePasses::Rule rule;
     std::vector<double> radius_um, length_um;
-    double absorption_error = 0.0;  ///< relative, as the last pass changed it
+    bool is_even = false;  ///< equally spaced, because spheres have narrow resonances
 };
 
 /// As many as efficiencies need.

@@ -11,15 +11,6 @@ constexpr double kNegligible = 1e-15;
 
 }  // namespace
 
-double series_change(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-    const Eigen::MatrixXd& longer = a.rows() > b.rows() ? a : b;
-    const Eigen::Index common = std::min(a.rows(), b.rows());
-    if (longer.rows() == 0) return 0;
-    Eigen::MatrixXd change = longer;
-    change.topRows(common) = a.topRows(common) - b.topRows(common);
-    return change.cwiseAbs().maxCoeff();
-}
-
 void put_series(const Eigen::MatrixXd& series, MatrixOptics& matrix) {
     Eigen::Index count = series.rows();
     while (count > 1 && series.row(count - 1).cwiseAbs().maxCoeff() <= kNegligible * series(0, 0))

@@ -7,9 +7,6 @@
 
 namespace miebrdf::mie {
 
-/// The largest difference of two coefficients; a shorter series has zeros beyond its end.
-double series_change(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
-
 /// Sets moments and coefficients, of which a1_0 becomes 1 and the end that is rounding is cut off.
 void put_series(const Eigen::MatrixXd& series, MatrixOptics& matrix);
 

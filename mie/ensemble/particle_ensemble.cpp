@@ -112,4 +112,10 @@ double half_space_albedo(const EnsembleOptics& optics) {
     return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
 }
 
+double wanted_error(const EnsembleRequest& request, const EnsembleOptics& optics) {
+    if (!(request.phase_floor > 0)) return request.tolerance;
+    const double share = std::pow(half_space_albedo(optics) / DarkMedium::kDark, 2);
+    return std::clamp(share, DarkMedium::kLeastShare, 1.0) * request.tolerance;
+}
+
 }  // namespace miebrdf::mie

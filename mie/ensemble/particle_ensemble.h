@@ -26,6 +26,9 @@ struct AverageLimits {
     static constexpr double kBackward = 165 * std::numbers::pi / 180;
 };
 
+/// Size parameters of averages: waves and rays of larger spheres are untested.
+constexpr double kLargestInEnsemble = 1e6;
+
 /// Particles and their sizes: handed whole from one method to the next.
 struct Ensemble {
     Scatterer scatterer;
@@ -75,5 +78,14 @@ inline Executor flushing(const Executor& run) {
 double similar_absorption(const EnsembleOptics& optics);
 /// Spherical albedo of a half-space, by similarity (van de Hulst 1980, table 25).
 double half_space_albedo(const EnsembleOptics& optics);
+
+/// In a dark medium light scattered once prevails. Its error in R grows like 1/A^2 of the albedo A
+/// of a half-space, so that the tolerance is multiplied by (A / kDark)^2, and by kLeastShare at
+/// least.
+struct DarkMedium {
+    static constexpr double kDark = 0.2, kLeastShare = 1e-3;
+};
+/// The error of moments that the request wants, by what is known of the optics.
+double wanted_error(const EnsembleRequest& request, const EnsembleOptics& optics);
 
 }  // namespace miebrdf::mie

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include <miebrdf/error.h>
+#include "mie/ensemble/particle_ensemble.h"
 #include "mie/sphere/vectors.h"
 #include "rte/math/legendre.h"
 #include "rte/math/quadrature.h"
@@ -256,6 +257,40 @@ std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run)
         for (int l = 0; l <= highest_moment; ++l) chi[l] += 0.5 * part[l];
     }
     return chi;
+}
+
+double noise_around(double lower, double upper, const Eigen::ArrayXd& noise,
+                    const Eigen::ArrayXd& angles, double half_period) {
+    const double reach = kNoiseReach * half_period;
+    // Straight back all degrees add up in step: the noise is largest there, and only there.
+    const bool is_backward = upper > AverageLimits::kBackward;
+    double squares = 0, largest = 0;
+    int count = 0;
+    for (Eigen::Index k = 0; k < noise.size(); ++k) {
+        if (!(angles[k] >= lower - reach && angles[k] <= upper + reach)) continue;
+        squares += noise[k] * noise[k];
+        largest = std::max(largest, std::abs(noise[k]));
+        ++count;
+    }
+    return is_backward ? largest : std::sqrt(squares / std::max(count, 1));
+}
+
+PhaseTable table_of_series(const std::vector<double>& chi, const Eigen::ArrayXd& noise,
+                           const Eigen::ArrayXd& angles, double floor) {
+    // One panel for half a period of the fastest wave: eight nodes leave 1e-6 of it.
+    const double width = std::numbers::pi / double(chi.size());
+    PhaseTable::Parts parts;
+    for (std::size_t p = 0; p < chi.size(); ++p) parts.edges.push_back(double(p) * width);
+    parts.edges.push_back(std::numbers::pi);
+    const Eigen::MatrixXd values = series_on_panels(chi, parts.edges);
+    for (std::size_t p = 0; p < chi.size() && noise.size() > 0; ++p) {
+        parts.noise.push_back(
+            noise_around(parts.edges[p], parts.edges[p + 1], noise, angles, width));
+        parts.size_error = std::max(parts.size_error, parts.noise.back());
+    }
+    parts.noise_floor = floor;
+    parts.gave_moments = true;
+    return make_phase_table(std::move(parts), values);
 }
 
 }  // namespace miebrdf::mie

@@ -27,4 +27,20 @@ double panel_value(const double* coefficients, double t);
 /// @param parts  all but coefficients and mean, which follow from the values
 PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values);
 
+/// P of all its moments, on even panels; each has the rms of the noise around it.
+/// @param chi     all, so that the table gave them
+/// @param noise   of P at `angles`, relative to max(P, floor); empty: none
+/// @param angles  radians, those of Gauss nodes
+PhaseTable table_of_series(const std::vector<double>& chi, const Eigen::ArrayXd& noise,
+                           const Eigen::ArrayXd& angles, double floor);
+
+/// Half periods of the fastest wave of P: the nodes of a Gauss rule are about as far apart. The
+/// change of P at a node is one random number, and small by chance: nodes so far apart count
+/// together.
+inline constexpr double kNoiseReach = 4;
+
+/// The rms of the noise within kNoiseReach of an interval; the largest near 180 degrees.
+double noise_around(double lower, double upper, const Eigen::ArrayXd& noise,
+                    const Eigen::ArrayXd& angles, double half_period);
+
 }  // namespace miebrdf::mie

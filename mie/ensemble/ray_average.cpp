@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "mie/ensemble/exact_extinction.h"
 #include "mie/ensemble/ray_moments.h"
 #include "mie/sizes/size_nodes.h"
 #include "mie/sphere/lane_math.h"
@@ -24,18 +23,12 @@ struct RayRule {
     static constexpr double kPerSpread = 7;
     /// Products are in single precision.
     static constexpr double kLeastTolerance = 1e-6;
-    /// Extinction differs from the exact one by up to `ends`, mostly by a quarter, and moments err
-    /// by up to 1.2 times that difference, more where both ends of the distribution happen to
-    /// cancel in extinction.
-    static constexpr double kEndsWhenKnown = 0.25, kPerMissed = 3;
     /// Moments from 16 Gauss sizes: what they leave of the light reflected near the edge, and of
     /// high orders of small spheres; it falls with the number of sizes.
     static constexpr int kSizes = 16, kMostSizes = 128;
     static constexpr double kError = 2.5e-5, kErrorOfHighMoments = 8e-4;
-    /// Sizes for what is absorbed, which is smooth in size; bounds of rays beyond this are no
-    /// description.
+    /// Sizes for what is absorbed, which is smooth in size.
     static constexpr int kSizesOfAbsorption = 64;
-    static constexpr double kLargestBoundOfAbsorption = 1e-3;
 };
 
 struct PhaseRayRule {
@@ -89,7 +82,7 @@ RayBound ray_bound(const Ensemble& ensemble) {
     const SizeLaw& law = ensemble.law();
     const double n = ensemble.scatterer.n();
     const double x = ensemble.wave_number_per_um * effective_radius_of(ensemble.sizes);
-    if (law.single_size || !law.analytic || !(n >= RayRule::kLeastIndex) ||
+    if (law.single_size || !law.is_without_bends || !(n >= RayRule::kLeastIndex) ||
         !ensemble.scatterer.has_rays()) {
         return {never, never};
     }
@@ -144,7 +137,7 @@ std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int hi
     const RayBound bound = ray_bound(ensemble);
     const double k = ensemble.wave_number_per_um;
     const double x = k * effective_radius_of(ensemble.sizes);
-    if (!(bound.spread + RayRule::kEndsWhenKnown * bound.ends <= tolerance)) return std::nullopt;
+    if (!(bound.total() <= tolerance)) return std::nullopt;
 
     int size_count = RayRule::kSizes;
     const double ratio = ensemble.range.largest_um / ensemble.range.smallest_um;
@@ -154,28 +147,15 @@ std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int hi
         size_count *= 2;
     }
     const double of_rule = rule_error(x, highest_moment, size_count);
-    if (!(of_rule + bound.spread + RayRule::kEndsWhenKnown * bound.ends <= tolerance))
-        return std::nullopt;
+    if (!(of_rule + bound.total() <= tolerance)) return std::nullopt;
 
     EnsembleOptics optics;
     optics.error_estimate = of_rule + bound.total();
-    double exact = 0;
-    if (!(optics.error_estimate <= 0.5 * tolerance)) {
-        exact = exact_extinction(ensemble, run) / ensemble.share;
-    }
     const int terms = number_of_terms(k * ensemble.range.largest_um);
     const MomentTransform transform(terms, std::max(highest_moment, 1));
     const WeightedSizes sizes(smooth_size_nodes(ensemble.sizes, ensemble.range, size_count), k);
     const RaySums sums = sum_over_rays(ensemble.scatterer.relative_index, sizes, transform, run);
     optics.q_ext = 2 * sums.extinguished / ensemble.share;
-    if (exact > 0) {
-        const double missed = std::abs(optics.q_ext / exact - 1);
-        optics.error_estimate =
-            of_rule + bound.spread +
-            std::max(RayRule::kPerMissed * missed, RayRule::kEndsWhenKnown * bound.ends);
-        if (!(optics.error_estimate <= tolerance)) return std::nullopt;
-        optics.q_ext = exact;
-    }
     optics.q_abs = 2 * sums.absorbed / ensemble.share;
     optics.q_sca = optics.q_ext - optics.q_abs;
     optics.one_minus_albedo = optics.q_abs / optics.q_ext;
@@ -188,20 +168,6 @@ std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int hi
     optics.chi.resize(std::max(highest_moment + 1, 0));
     optics.converged = true;
     return optics;
-}
-
-std::optional<RayAbsorption> absorption_by_rays(const Ensemble& ensemble, const Executor& run) {
-    const RayBound bound = ray_bound(ensemble);
-    if (!ensemble.scatterer.absorbs() || !(bound.total() <= RayRule::kLargestBoundOfAbsorption))
-        return std::nullopt;
-    const double k = ensemble.wave_number_per_um;
-    const MomentTransform transform(number_of_terms(k * ensemble.range.largest_um), 1);
-    const WeightedSizes sizes(
-        smooth_size_nodes(ensemble.sizes, ensemble.range, RayRule::kSizesOfAbsorption), k);
-    const RaySums sums = sum_over_rays(ensemble.scatterer.relative_index, sizes, transform, run);
-    const double x = k * effective_radius_of(ensemble.sizes);
-    return RayAbsorption{2 * sums.absorbed / ensemble.share,
-                         bound.total() + rule_error(x, 1, RayRule::kSizesOfAbsorption)};
 }
 
 }  // namespace miebrdf::mie

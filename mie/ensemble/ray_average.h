@@ -26,20 +26,10 @@ RayBound ray_bound(const Ensemble& ensemble);
 PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact = false);
 
 /// Efficiencies, albedo, g and chi_0 ... chi_highest by sum_over_rays, when the error estimate is
-/// within the tolerance; nothing otherwise. Beside ray_bound the estimate has what the extinction
-/// differs from exact_extinction (not asked where the bound alone is small enough) and what
-/// the rule over sizes leaves in moments, measured over random ensembles.
+/// within the tolerance; nothing otherwise. The estimate is ray_bound and what the rule
+/// over sizes leaves in moments, measured over random ensembles.
 /// @param highest_moment  -1: none
 std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int highest_moment,
                                                 double tolerance, const Executor& run);
-
-/// The absorption of spheres that are almost transparent. Much of it is absorbed in resonances that
-/// are narrower than the distance of any number of sizes; averaged over a period of the ripple
-/// these are the sum of the rays, each for itself.
-struct RayAbsorption {
-    double q_abs = 0, error = 0;  ///< relative
-};
-/// Nothing where spheres absorb nothing or rays are no description.
-std::optional<RayAbsorption> absorption_by_rays(const Ensemble& ensemble, const Executor& run);
 
 }  // namespace miebrdf::mie

@@ -69,7 +69,7 @@ SizeSums sum_over_blocks(const Scatterer& scatterer, const WeightedSizes& sizes,
         const std::size_t here = count;
         sums.spheres.add(compute_spheres(scatterer, {sizes.parameters.data() + first, here},
                                          {sizes.weights.data() + first, here},
-                                         with_waves ? &block : nullptr));
+                                         with_waves ? &block : nullptr, &sums.every_other));
         if (with_moments) sums.covariance.add(block);
         if constexpr (std::is_same_v<Scalar, double>) {
             if (options.angles && options.with_matrix) {
@@ -381,13 +381,22 @@ std::vector<SizeChunks::Block> SizeChunks::blocks(int chunk) const {
 
 void SizeSums::add(const SizeSums& other) {
     spheres.add(other.spheres);
+    every_other.add(other.every_other);
+    doubt += other.doubt;
     if (covariance.width() >= 0) covariance.add(other.covariance);
     if (intensity.size() > 0) intensity += other.intensity;
-    if (products.size() > 0) products += other.products;
+    if (other.products.rows() > products.rows()) {
+        const Eigen::Index before = products.rows();
+        products.conservativeResize(other.products.rows(), other.products.cols());
+        products.bottomRows(products.rows() - before).setZero();
+    }
+    if (other.products.size() > 0) products.topRows(other.products.rows()) += other.products;
 }
 
 void SizeSums::scale(double factor) {
     spheres.scale(factor);
+    every_other.scale(factor);
+    doubt *= factor;
     covariance.scale(factor);
     intensity *= factor;
     products *= factor;

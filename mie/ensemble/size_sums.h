@@ -114,9 +114,11 @@ using AngularFunctions = AngularFunctionsOf<double>;
 /// Sums over sizes, weighted by their share of the geometric cross-section over x^2.
 struct SizeSums {
     SphereSums spheres;
+    SphereSums every_other;     ///< of the first, third, ... size alone
     BandCovariance covariance;  ///< empty without moments
     Eigen::VectorXd intensity;  ///< at the angles asked for
-    Eigen::ArrayXXd products;   ///< the same, of add_products
+    Eigen::ArrayXXd products;   ///< the same, of add_products; of spheroids their series
+    double doubt = 0;           ///< error of `spheres.scattered`: of T-matrices
 
     void add(const SizeSums& other);
     void scale(double factor);

@@ -12,7 +12,7 @@
 #include "mie/ensemble/matrix_series.h"
 #include "mie/ensemble/particle_ensemble.h"
 #include "mie/ensemble/phase_table.h"
-#include "mie/sizes/size_nodes.h"
+#include "mie/ensemble/size_refinement.h"
 #include "mie/spheroid/orientation_average.h"
 #include "mie/spheroid/t_matrix.h"
 #include "rte/math/legendre.h"
@@ -22,9 +22,8 @@ namespace miebrdf::mie {
 namespace {
 
 struct SpheroidRule {
-    static constexpr int kFirstSizes = 6, kMostSizes = 384;
-    /// In all passes, at a tolerance of 2e-4: 42 to 190 where n is 1.5.
-    static constexpr double kTypicalSizes = 90;
+    /// Of equally spaced ones: a T-matrix takes milliseconds.
+    static constexpr int kMostSizes = 512;
     /// Share of the tolerance that a T-matrix may err by.
     static constexpr double kTShare = 0.1, kLeastT = 1e-11;
     /// A T-matrix with a larger estimate has no digits left: its size is refused.
@@ -37,25 +36,8 @@ struct SpheroidRule {
     static constexpr double kSecondsPerDegree4 = 6e-8;
 };
 
-// Sums over sizes: series as of matrix_series, whose first entry is q_sca.
-struct Sums {
-    double extinction = 0, error = 0;
-    Eigen::MatrixXd series = Eigen::MatrixXd::Zero(1, 6);
-
-    double scattering() const { return series(0, 0); }
-    void add(const Sums& other, double weight) {
-        extinction += weight * other.extinction;
-        error += weight * other.scattering() * other.error;
-        if (other.series.rows() > series.rows()) {
-            const auto before = series.rows();
-            series.conservativeResize(other.series.rows(), 6);
-            series.bottomRows(series.rows() - before).setZero();
-        }
-        series.topRows(other.series.rows()) += weight * other.series;
-    }
-};
-
-Sums of_size(const Spheroid& spheroid, double tolerance) {
+// The sums of one size, `products` the series as of matrix_series, whose first entry is q_sca.
+SizeSums of_size(const Spheroid& spheroid, double tolerance) {
     const TMatrix T =
         t_matrix(spheroid, std::max(SpheroidRule::kTShare * tolerance, SpheroidRule::kLeastT));
     if (!(T.error_estimate <= SpheroidRule::kWorstT)) {
@@ -73,73 +55,76 @@ Sums of_size(const Spheroid& spheroid, double tolerance) {
     const math::Quadrature rule = math::gauss_legendre(degree + 1);
     const Eigen::VectorXd cosines = Eigen::Map<const Eigen::VectorXd>(
         rule.nodes.data(), static_cast<Eigen::Index>(rule.nodes.size()));
-    Sums sums;
-    sums.extinction = T.q_ext;
-    sums.error = T.error_estimate;
-    sums.series = math::matrix_series(orientation_average(T, cosines), rule, degree) /
-                  std::pow(spheroid.size_parameter, 2);
+    SizeSums sums;
+    sums.products = math::matrix_series(orientation_average(T, cosines), rule, degree) /
+                    std::pow(spheroid.size_parameter, 2);
+    // As SphereSums: halves and a quarter of efficiencies.
+    sums.spheres.scattered = 0.5 * sums.products(0, 0);
+    sums.spheres.asymmetric = 0.25 * sums.products(1, 0);
+    if (spheroid.relative_index.imag() > 0)
+        sums.spheres.absorbed = std::max(0.0, 0.5 * T.q_ext - sums.spheres.scattered);
+    sums.doubt = sums.spheres.scattered * T.error_estimate;
     return sums;
 }
+
+class SpheroidSummation : public SizeSummation {
+  public:
+    SpheroidSummation(const EnsembleRequest& request, const Ensemble& ensemble, const Executor& run)
+        : request_(request), ensemble_(ensemble), run_(run) {}
+
+    SizeSums sum(const SizeNodes& nodes, bool) const override {
+        const std::size_t count = nodes.radius_um.size();
+        std::vector<SizeSums> each(count);
+        run_(int(count), [&](int job) {
+            const auto i = std::size_t(job);
+            const double x = ensemble_.wave_number_per_um * nodes.radius_um[i];
+            each[i] = of_size({ensemble_.scatterer.relative_index, x, ensemble_.scatterer.aspect},
+                              request_.tolerance);
+            each[i].scale(nodes.area_share[i]);
+            if (i % 2 == 0) each[i].every_other = each[i].spheres;
+        });
+        SizeSums sums;
+        sums.products = Eigen::ArrayXXd::Zero(1, 6);
+        for (const SizeSums& one : each) sums.add(one);
+        return sums;
+    }
+
+    /// The series whose first entry is 1, degree by degree, so that longer ones go on.
+    Eigen::ArrayXd averages(const SizeSums& sums) const override {
+        return (sums.products / sums.products(0, 0)).transpose().reshaped();
+    }
+
+    double tolerance(const SphereSums&) const override { return request_.tolerance; }
+
+  private:
+    const EnsembleRequest& request_;
+    const Ensemble& ensemble_;
+    const Executor& run_;
+};
 
 class SpheroidAverage {
   public:
     SpheroidAverage(const EnsembleRequest& request, const Executor& run)
-        : request_(request), run_(run), ensemble_(ensemble_of(request)) {}
-
-    MatrixOptics compute() {
-        if (ensemble_.law().single_size) {
-            average({{effective_radius_of(ensemble_.sizes)}, {1.0}});
-        } else {
-            for (int sizes = SpheroidRule::kFirstSizes; sizes <= SpheroidRule::kMostSizes;
-                 sizes *= 2) {
-                average(smooth_size_nodes(ensemble_.sizes, ensemble_.range, sizes));
-                if (result_.optics.converged) break;
-            }
-        }
+        : request_(request), ensemble_(ensemble_of(request)) {
+        const SpheroidSummation summation(request, ensemble_, run);
+        const RefinedAverage average =
+            refine_sizes(ensemble_, summation, request.tolerance, SpheroidRule::kMostSizes);
+        series_ = average.averages.reshaped(6, average.averages.size() / 6).transpose();
+        if (average.change.size() > 0)
+            change_ = average.change.reshaped(6, average.change.size() / 6).row(0);
+        t_error_ =
+            std::max(AverageLimits::kRounding, average.sums.doubt / average.sums.spheres.scattered);
+        EnsembleOptics& o = result_.optics;
+        o = efficiencies_of(average.sums.spheres, ensemble_.share);
+        o.size_nodes = average.sizes;
+        o.error_estimate = average.error_estimate + t_error_;
+        o.converged = o.error_estimate <= request.tolerance;
         finish();
-        return std::move(result_);
     }
+
+    const MatrixOptics& result() const { return result_; }
 
   private:
-    void average(const SizeNodes& nodes) {
-        const int count = static_cast<int>(nodes.radius_um.size());
-        std::vector<Sums> each(nodes.radius_um.size());
-        run_(count, [&](int i) {
-            const double x = ensemble_.wave_number_per_um * nodes.radius_um[std::size_t(i)];
-            each[std::size_t(i)] =
-                of_size({ensemble_.scatterer.relative_index, x, ensemble_.scatterer.aspect},
-                        request_.tolerance);
-        });
-        Sums sums;
-        for (std::size_t i = 0; i < each.size(); ++i)
-            sums.add(each[i], nodes.area_share[i] / ensemble_.share);
-        const MatrixOptics before = std::exchange(result_, {});
-        const Eigen::MatrixXd series_before = std::move(series_);
-        EnsembleOptics& o = result_.optics;
-        o.q_ext = sums.extinction;
-        o.q_sca = ensemble_.scatterer.absorbs() ? std::min(sums.scattering(), o.q_ext) : o.q_ext;
-        o.q_abs = o.q_ext - o.q_sca;
-        o.one_minus_albedo = o.q_abs / o.q_ext;
-        o.single_scattering_albedo = o.q_sca / o.q_ext;
-        o.asymmetry = sums.series(1, 0) / sums.scattering();
-        o.size_nodes = before.optics.size_nodes + count;
-        series_ = sums.series / sums.scattering();
-        change_ = Eigen::VectorXd::Zero(std::max(series_.rows(), series_before.rows()));
-        change_.head(series_.rows()) = series_.col(0);
-        if (series_before.rows() > 0) change_.head(series_before.rows()) -= series_before.col(0);
-        t_error_ = std::max(AverageLimits::kRounding, sums.error / sums.scattering());
-        o.error_estimate = t_error_;
-        if (!ensemble_.law().single_size) {
-            double change = 1;
-            if (before.optics.q_ext > 0)
-                change = std::max({series_change(series_before, series_),
-                                   std::abs(before.optics.q_ext / o.q_ext - 1),
-                                   std::abs(before.optics.q_sca / o.q_sca - 1)});
-            o.error_estimate += change + tail_for(request_);
-        }
-        o.converged = o.error_estimate <= request_.tolerance;
-    }
-
     void finish() {
         put_series(series_, result_);
         EnsembleOptics& o = result_.optics;
@@ -192,7 +177,6 @@ class SpheroidAverage {
     }
 
     const EnsembleRequest& request_;
-    const Executor& run_;
     Ensemble ensemble_;
     Eigen::MatrixXd series_ = {};  // of the last sizes, whose first entry is 1
     Eigen::VectorXd change_ = {};  // of its moments, by the last doubling of sizes
@@ -203,12 +187,12 @@ class SpheroidAverage {
 }  // namespace
 
 MatrixOptics average_spheroids(const EnsembleRequest& request, const Executor& run) {
-    return SpheroidAverage(request, run).compute();
+    return SpheroidAverage(request, run).result();
 }
 
 double spheroid_seconds(const EnsembleRequest& request) {
     const Ensemble ensemble = ensemble_of(request);
-    const double sizes = ensemble.law().single_size ? 1 : SpheroidRule::kTypicalSizes;
+    const double sizes = ensemble.law().single_size ? 1 : SizeRule::kFirstEven;
     const double x = ensemble.scatterer.outer_x(ensemble.largest_x());
     return sizes * SpheroidRule::kSecondsPerDegree4 * std::pow(x + 4 * std::cbrt(x) + 4, 4);
 }

@@ -61,12 +61,4 @@ constexpr SizeLaw endless(SizeLaw law) {
     return law;
 }
 
-/// The analytic continuation of a density is exp(log(n r^2)); its real values fix the constant.
-/// @returns the logarithm of the factor that is missing in `unscaled`
-template <typename Density>
-double log_norm_of(const Density& unscaled, double effective_radius_um) {
-    return std::log(unscaled.at(effective_radius_um) /
-                    unscaled.at(std::complex<double>(effective_radius_um)).real());
-}
-
 }  // namespace miebrdf::mie

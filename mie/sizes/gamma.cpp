@@ -29,22 +29,12 @@ RadiusRange gamma_range(const SizeDistribution& d, double tail, double saturatio
 
 class GammaDensity : public AreaDensity {
   public:
-    explicit GammaDensity(const SizeDistribution& d)
-        : a_(d.effective_radius_um), b_(d.effective_variance), law_(gamma_area(d)) {
-        log_norm_ = log_norm_of(*this, a_);
-    }
+    explicit GammaDensity(const SizeDistribution& d) : law_(gamma_area(d)) {}
 
     double at(double radius_um) const override { return pdf(law_, radius_um); }
 
-    std::complex<double> at(std::complex<double> radius_um) const override {
-        const std::complex<double> relative = radius_um / a_;
-        return std::exp((1 / b_ - 1) * std::log(relative) - (relative - 1.0) / b_ + log_norm_);
-    }
-
   private:
-    double a_, b_;
     Gamma law_;
-    double log_norm_ = 0;
 };
 
 // The cube root of a gamma density (shape s, scale c) is one of shape (s + 2)/3 and scale 3 c.
@@ -63,7 +53,6 @@ constinit const SizeLaw kGamma = endless<gamma_area, GammaDensity>({
     .help = "n(r) ~ r^(1/b - 3) exp(-r / (a b)), effective radius a and variance b",
     .range = gamma_range,
     .radius_at = gamma_radius_at,
-    .continuation_height = height_of_narrow_density,
 });
 
 }  // namespace miebrdf::mie

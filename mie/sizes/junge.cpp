@@ -35,9 +35,6 @@ class JungeDensity : public AreaDensity {
     double at(double radius_um) const override {
         return scale_ * std::pow(radius_um / largest_, power_);
     }
-    std::complex<double> at(std::complex<double> radius_um) const override {
-        return scale_ * std::pow(radius_um / largest_, power_);
-    }
 
   private:
     double power_, largest_, scale_;

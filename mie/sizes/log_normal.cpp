@@ -28,26 +28,12 @@ RadiusRange log_normal_range(const SizeDistribution& d, double tail, double satu
 
 class LogNormalDensity : public AreaDensity {
   public:
-    explicit LogNormalDensity(const SizeDistribution& d)
-        : a_(d.effective_radius_um),
-          variance_(std::log1p(d.effective_variance)),
-          law_(log_normal_area(d)) {
-        log_norm_ = log_norm_of(*this, a_);
-    }
+    explicit LogNormalDensity(const SizeDistribution& d) : law_(log_normal_area(d)) {}
 
     double at(double radius_um) const override { return pdf(law_, radius_um); }
 
-    // exp(-(ln r - ln a + s/2)^2 / (2 s)) / r
-    std::complex<double> at(std::complex<double> radius_um) const override {
-        const std::complex<double> relative = radius_um / a_;
-        const std::complex<double> away = std::log(relative) + 0.5 * variance_;
-        return std::exp(-away * away / (2 * variance_) - std::log(relative) + log_norm_);
-    }
-
   private:
-    double a_, variance_;
     LogNormal law_;
-    double log_norm_ = 0;
 };
 
 // The cube root of a log-normal density (location u, variance s) is one of location u + 2 s and
@@ -68,7 +54,6 @@ constinit const SizeLaw kLogNormal = endless<log_normal_area, LogNormalDensity>(
     .help = "n(r) ~ exp(-ln^2(r / r_g) / (2 s)) / r, s = ln(1 + effective variance)",
     .range = log_normal_range,
     .radius_at = log_normal_radius_at,
-    .continuation_height = height_of_narrow_density,
 });
 
 }  // namespace miebrdf::mie

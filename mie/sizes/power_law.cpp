@@ -34,9 +34,6 @@ class PowerLawDensity : public AreaDensity {
         : log_ratio_(std::log(range.largest_um / range.smallest_um)) {}
 
     double at(double radius_um) const override { return 1 / (radius_um * log_ratio_); }
-    std::complex<double> at(std::complex<double> radius_um) const override {
-        return 1.0 / (radius_um * log_ratio_);
-    }
 
   private:
     double log_ratio_;

@@ -73,21 +73,12 @@ RadiusRange rosin_rammler_range(const SizeDistribution& d, double tail, double s
 
 class RosinRammlerDensity : public AreaDensity {
   public:
-    explicit RosinRammlerDensity(const SizeDistribution& d) : law_(rosin_rammler_area(d)) {
-        log_norm_ = log_norm_of(*this, d.effective_radius_um);
-    }
+    explicit RosinRammlerDensity(const SizeDistribution& d) : law_(rosin_rammler_area(d)) {}
 
     double at(double radius_um) const override { return pdf(law_, radius_um); }
 
-    std::complex<double> at(std::complex<double> radius_um) const override {
-        const std::complex<double> log_relative = std::log(radius_um / law_.scale);
-        return std::exp((law_.power - 2) * log_relative - std::exp(law_.power * log_relative) +
-                        log_norm_);
-    }
-
   private:
     PowerOfGamma law_;
-    double log_norm_ = 0;
 };
 
 // The cube root of the area density has the same power, the scale r_0 3^(1/s) and
@@ -107,8 +98,6 @@ constinit const SizeLaw kRosinRammler = endless<rosin_rammler_area, RosinRammler
     .help = "exp(-(r / r_0)^s) of the volume in particles larger than r",
     .range = rosin_rammler_range,
     .radius_at = rosin_rammler_radius_at,
-    // Where s times the angle of r + ih is pi/2, |exp(-(r / r_0)^s)| is 1: above, the tail grows.
-    .continuation_height = [](const SizeDistribution& d) { return 0.5 * pi / exponent_of(d); },
 });
 
 }  // namespace miebrdf::mie

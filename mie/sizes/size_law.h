@@ -2,8 +2,6 @@
 // in a SizeLaw, and its name in the list of size_laws.cpp.
 #pragma once
 
-#include <complex>
-#include <limits>
 #include <memory>
 
 #include <miebrdf/sizes.h>
@@ -16,9 +14,6 @@ class AreaDensity {
     virtual ~AreaDensity() = default;
     /// Share per micrometre of radius: n(r) r^2 over its integral, inside the law's range.
     virtual double at(double radius_um) const = 0;
-    /// Its analytic continuation, for Re radius > 0; not asked for where SizeLaw::analytic is
-    /// false.
-    virtual std::complex<double> at(std::complex<double> radius_um) const = 0;
 };
 
 /// A radius as a function of t, which runs from 0 to 1 over the range of radii.
@@ -47,9 +42,8 @@ struct SizeLaw {
     bool has_variance = true;  ///< false: the effective variance is ignored
     bool single_size = false;  ///< all spheres have the effective radius: no density is asked for
     bool has_ends = true;      ///< false: averages choose how much of the tails they leave out
-    /// Whether the area density continues off the real axis, which gives the exact extinction of
-    /// rippling spheres. False also says that bends may slow down the convergence of averages.
-    bool analytic = true;
+    /// False: bends of the density leave something of the interference of rays.
+    bool is_without_bends = true;
 
     /// @throws UsageError
     void (*validate)(const SizeDistribution&) = require_radius_and_variance;
@@ -66,17 +60,7 @@ struct SizeLaw {
     /// the spacing.
     MappedRadius (*radius_at)(const SizeDistribution&, const RadiusRange&, double t,
                               SizeSpacing) = evenly_spread;
-    /// How far off the real axis, in effective radii, the continuation may be used. A narrow
-    /// density of variance v grows there like exp(h^2 / (2 v r^2)) at height h, and what has to
-    /// cancel again along a path would leave its rounding behind. The power law does not grow.
-    double (*continuation_height)(const SizeDistribution&) = [](const SizeDistribution&) {
-        return std::numeric_limits<double>::infinity();
-    };
 };
-
-/// The height at which a narrow density has grown by 1e3: 3.7 of its standard deviations, smooth on
-/// the nodes of a path.
-double height_of_narrow_density(const SizeDistribution& distribution);
 
 /// @throws UsageError  as radius_range; and for a single size, which has no density
 std::unique_ptr<const AreaDensity> area_density(const SizeDistribution& distribution);

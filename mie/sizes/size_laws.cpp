@@ -97,9 +97,4 @@ MappedRadius evenly_spread(const SizeDistribution&, const RadiusRange& range, do
     return {range.smallest_um + t * width, width};
 }
 
-double height_of_narrow_density(const SizeDistribution& distribution) {
-    constexpr double kGrowth = 1e3;
-    return std::sqrt(2 * std::log(kGrowth) * distribution.effective_variance);
-}
-
 }  // namespace miebrdf::mie

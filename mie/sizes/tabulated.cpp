@@ -66,9 +66,6 @@ class TableDensity : public AreaDensity {
     double at(double radius_um) const override {
         return table_density(distribution_, radius_um) * radius_um * radius_um / area_;
     }
-    std::complex<double> at(std::complex<double>) const override {
-        throw UsageError("a table of sizes has no analytic continuation");
-    }
 
   private:
     SizeDistribution distribution_;
@@ -82,7 +79,7 @@ constinit const SizeLaw kTabulated{
     .name = "tabulated",
     .help = "n(r) as listed, linear in between",
     .has_variance = false,
-    .analytic = false,
+    .is_without_bends = false,
     .validate = validate_table,
     .range = [](const SizeDistribution& d, double, double) -> RadiusRange {
         return {d.radii_um.front(), d.radii_um.back()};

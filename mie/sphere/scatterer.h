@@ -12,7 +12,7 @@
 namespace miebrdf::mie {
 
 /// A particle without its size: averages are handed it whole and ask only what stands here, and
-/// compute_spheres(), exact_extinction() and the rays of the Debye series (where has_rays()) know
+/// compute_spheres() and the rays of the Debye series (where has_rays()) know
 /// how light meets it. It is a homogeneous sphere, or one with coatings; sizes are those of the
 /// core; or a spheroid in random orientation (spheroid_average.h), whose size is that of the sphere
 /// of its volume.

@@ -268,12 +268,20 @@ typename SphereBlockOf<Scalar>::Orders SphereBlockOf<Scalar>::orders_of(int firs
 
 template <typename Scalar>
 SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,
-                           std::span<const double> weights, SphereBlockOf<Scalar>* block) {
+                           std::span<const double> weights, SphereBlockOf<Scalar>* block,
+                           SphereSums* every_other) {
     const int count = static_cast<int>(size_parameters.size());
     const FaintAbsorption faint(scatterer.is_plain() ? scatterer.relative_index : 1.0);
     Scatterer computed = scatterer;
     if (scatterer.is_plain()) computed.relative_index = faint.index;
-    SphereSums total;
+    SphereSums total, alternate;
+    Lanes is_alternate;
+    for (int lane = 0; lane < kLaneCount; ++lane) is_alternate[lane] = lane % 2 == 0 ? 1.0 : 0.0;
+    const auto add = [](const Lanes& by, const LaneSums& sums, SphereSums& to) {
+        to.scattered += (by * sums.scattered).sum();
+        to.absorbed += (by * sums.absorbed).sum();
+        to.asymmetric += (by * sums.asymmetric).sum();
+    };
     if (block) {
         block->make_room(scatterer.terms(size_parameters[count - 1]),
                          (count + kLaneCount - 1) / kLaneCount * kLaneCount);
@@ -289,11 +297,12 @@ SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> s
         if (block && x[0] >= 2)
             block->orders[first / kLaneCount].last = scatterer.terms(x[kLaneCount - 1]);
         const LaneSums sums = compute_eight(computed, x, columns);
-        total.scattered += (weight * sums.scattered).sum();
-        total.absorbed += (weight * sums.absorbed).sum();
-        total.asymmetric += (weight * sums.asymmetric).sum();
+        add(weight, sums, total);
+        if (every_other) add(weight * is_alternate, sums, alternate);
     }
     total.absorbed *= faint.share;
+    alternate.absorbed *= faint.share;
+    if (every_other) every_other->add(alternate);
     return total;
 }
 
@@ -306,8 +315,8 @@ SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> s
 template struct SphereBlockOf<float>;
 template struct SphereBlockOf<double>;
 template SphereSums compute_spheres(const Scatterer&, std::span<const double>,
-                                    std::span<const double>, SphereBlockOf<float>*);
+                                    std::span<const double>, SphereBlockOf<float>*, SphereSums*);
 template SphereSums compute_spheres(const Scatterer&, std::span<const double>,
-                                    std::span<const double>, SphereBlockOf<double>*);
+                                    std::span<const double>, SphereBlockOf<double>*, SphereSums*);
 
 }  // namespace miebrdf::mie

@@ -61,9 +61,11 @@ struct SphereSums {
 /// @param size_parameters  ascending, at least one
 /// @param weights  one per size, >= 0
 /// @param block    U and V are filled when not null
+/// @param every_other  when not null, the sums over the first, third, ... size are added to it
 template <typename Scalar>
 SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,
-                           std::span<const double> weights, SphereBlockOf<Scalar>* block);
+                           std::span<const double> weights, SphereBlockOf<Scalar>* block,
+                           SphereSums* every_other = nullptr);
 
 /// The sums alone.
 SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> size_parameters,

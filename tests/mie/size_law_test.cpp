@@ -23,7 +23,6 @@ class UniformDensity : public mie::AreaDensity {
   public:
     explicit UniformDensity(double half_width) : density_(0.5 / half_width) {}
     double at(double) const override { return density_; }
-    std::complex<double> at(std::complex<double>) const override { return density_; }
 
   private:
     double density_;

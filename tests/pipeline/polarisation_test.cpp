@@ -249,7 +249,7 @@ TEST_CASE("auto takes numbers from the scattering matrices that it has looked at
                               },
                           .cache = std::make_shared<ResultCache>(folder / "results.sqlite")};
     const Directions directions = {{0.5, 1.0}, {0.5, 1.0}, {0, 180}};
-    const Scene scene = scene_of("index:1.5,0.01,radius=0.4");
+    const Scene scene = scene_of("index:1.5,0.01,radius=0.3");
     const Brdf brdf = solve(scene, {550, 600}, {.stokes = 0}, control);
     const BrdfValues values = brdf.evaluate(directions);
     CHECK(averages == 2);

@@ -177,7 +177,7 @@ TEST_CASE("a plan counts everything, and names the scenes that cannot be compute
 
 namespace {
 
-/// Log-normal ice beyond what averages over sizes take (size parameters to 1e5) at short
+/// Log-normal ice beyond what averages over sizes take (size parameters to 1e6) at short
 /// wavelengths, or at all of them.
 constexpr char kLargeIce[] = R"(outputs = ["plane_albedo"]
 chunk = 3
@@ -185,7 +185,7 @@ chunk = 3
 base = "H2O_ice,radius={radius_um},variance=0.2,distribution=log-normal"
 tolerance = 1e-2
 [axes]
-radius_um = [300, 1000, 3000]
+radius_um = [3000, 10000, 30000]
 mu_in = [0.5]
 wavelength_nm = [350, 900]
 )";
@@ -202,8 +202,8 @@ TEST_CASE("a plan finds the scenes that sizes make impossible, and those that la
     CHECK(plan.incomplete == 1);
     REQUIRE(plan.refusals.size() == 2);
     CHECK_THAT(plan.refusals[0],
-               Contains("scene 1 (radius_um = 1000) at 350 nm") && Contains("size parameters"));
-    CHECK_THAT(plan.refusals[1], Contains("scene 2 (radius_um = 3000): medium"));
+               Contains("scene 1 (radius_um = 10000) at 350 nm") && Contains("size parameters"));
+    CHECK_THAT(plan.refusals[1], Contains("scene 2 (radius_um = 30000): medium"));
     work.run();
     const auto report = work.write();
     CHECK(report.failed == plan.refused);
@@ -224,7 +224,7 @@ TEST_CASE("a wavelength that cannot be computed leaves the others of its scene",
     CHECK_FALSE(partial.converged);
     CHECK(partial.error_estimate <= 1e-2);
     // The same bits as of a scene of this wavelength alone.
-    const auto alone = solve({.base = medium("H2O_ice,radius=1000,variance=0.2,"
+    const auto alone = solve({.base = medium("H2O_ice,radius=10000,variance=0.2,"
                                              "distribution=log-normal")},
                              {900}, {.tolerance = 1e-2})
                            .albedo({0.5});

@@ -1,0 +1,206 @@
+#include "mie/ensemble/phase_series.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <span>
+
+#include "mie/ensemble/phase_table.h"
+#include "mie/ensemble/size_refinement.h"
+#include "rte/math/legendre.h"
+
+namespace miebrdf::mie {
+namespace {
+
+/// Up to so many partial waves the sums at all nodes take less time than the waves.
+constexpr int kMostTerms = 100;
+
+using Array = Eigen::ArrayXd;
+
+// Efficiencies, all moments, and P at the nodes.
+class SeriesSummation : public SizeSummation {
+  public:
+    SeriesSummation(const Ensemble& ensemble, const Executor& run)
+        : ensemble_(ensemble),
+          run_(run),
+          terms_(ensemble.terms()),
+          gauss_(terms_, 2 * terms_, run) {}
+
+    SizeSums sum(const SizeNodes& nodes, bool all) const override {
+        SizeSumOptions options;
+        options.terms = terms_;
+        if (all) options.angles = &gauss_.angles();
+        return sum_over_sizes(ensemble_.scatterer,
+                              WeightedSizes(nodes, ensemble_.wave_number_per_um), options, run_);
+    }
+
+    Array averages(const SizeSums& sums) const override {
+        const std::vector<double> chi = gauss_.of(sums.intensity);
+        Array all(moment_count() + nodes());
+        all << Eigen::Map<const Array>(chi.data(), moment_count()) / chi[0],
+            sums.intensity.array() / (2 * sums.spheres.scattered);
+        return all;
+    }
+
+    Array units(const Array& averages, const SphereSums& sums) const override {
+        Array all(averages.size());
+        all << Array::Ones(moment_count()), allowed(averages.tail(nodes()), sums) / tolerance(sums);
+        return all;
+    }
+
+    /// All that are not rounding.
+    std::vector<double> chi(const RefinedAverage& average) const {
+        Eigen::Index count = moment_count();
+        while (count > 2 && std::abs(average.averages[count - 1]) <= kNegligible) --count;
+        return {average.averages.begin(), average.averages.begin() + count};
+    }
+    Array phase(const RefinedAverage& average) const { return average.averages.tail(nodes()); }
+    /// 0 at each node where there is no last change.
+    Array change_of_phase(const RefinedAverage& average) const {
+        if (average.change.size() == 0) return Array::Zero(nodes());
+        return average.change.tail(nodes());
+    }
+    Array angles() const { return gauss_.cosines().acos(); }
+    int most_sizes(double work) const {
+        const double each = double(terms_) * double(nodes());
+        return int(std::min(double(SizeRule::kMostEven), work / each));
+    }
+
+  protected:
+    /// The error of P that is allowed at each node.
+    virtual Array allowed(const Array& phase, const SphereSums& sums) const = 0;
+    const Ensemble& ensemble() const { return ensemble_; }
+
+  private:
+    static constexpr double kNegligible = 1e-15;
+
+    Eigen::Index moment_count() const { return 2 * terms_ + 1; }
+    Eigen::Index nodes() const { return gauss_.angles().angle_count(); }
+
+    const Ensemble& ensemble_;
+    const Executor& run_;
+    int terms_;
+    GaussMoments gauss_;
+};
+
+class TableSummation : public SeriesSummation {
+  public:
+    TableSummation(const EnsembleRequest& request, const Ensemble& ensemble, const Executor& run)
+        : SeriesSummation(ensemble, run), request_(request) {}
+
+    double tolerance(const SphereSums& sums) const override {
+        return wanted_error(request_, efficiencies_of(sums, ensemble().share));
+    }
+
+    /// P below this errs relative to it.
+    double floor(const SphereSums& sums) const { return bright(sums) * request_.phase_floor; }
+
+  protected:
+    Array allowed(const Array& phase, const SphereSums& sums) const override {
+        const double share = std::max(bright(sums), DarkMedium::kLeastShare);
+        return share * request_.phase_tolerance * phase.max(floor(sums));
+    }
+
+  private:
+    double bright(const SphereSums& sums) const {
+        if (!(request_.phase_floor > 0)) return 1;
+        return half_space_albedo(efficiencies_of(sums, ensemble().share));
+    }
+
+    const EnsembleRequest& request_;
+};
+
+class PointSummation : public SeriesSummation {
+  public:
+    PointSummation(const EnsembleRequest& request, const Ensemble& ensemble, const Executor& run)
+        : SeriesSummation(ensemble, run), request_(request) {}
+
+    double tolerance(const SphereSums&) const override { return 1; }
+
+  protected:
+    Array allowed(const Array& phase, const SphereSums&) const override {
+        const Array theta = angles();
+        const double reach = kNoiseReach * std::numbers::pi / double(theta.size());
+        Array all = Array::Constant(theta.size(), std::numeric_limits<double>::max());
+        for (std::size_t i = 0; i < request_.angles_deg.size(); ++i) {
+            const double at = request_.angles_deg[i] * std::numbers::pi / 180;
+            for (Eigen::Index k = 0; k < theta.size(); ++k) {
+                if (!(std::abs(theta[k] - at) <= reach)) continue;
+                const double own =
+                    request_.phase_allowed.empty()
+                        ? request_.phase_tolerance * std::max(phase[k], request_.phase_floor)
+                        : request_.phase_allowed[i];
+                all[k] = std::min(all[k], own);
+            }
+        }
+        return all;
+    }
+
+  private:
+    const EnsembleRequest& request_;
+};
+
+}  // namespace
+
+GaussMoments::GaussMoments(int terms, int highest_moment, const Executor& run)
+    : highest_(highest_moment),
+      rule_(math::gauss_legendre(terms + highest_moment / 2 + 1)),
+      angles_(cosines(), terms, run) {}
+
+std::vector<double> GaussMoments::of(const Eigen::VectorXd& intensity) const {
+    const Eigen::Index count = intensity.size();
+    const auto x = cosines();
+    const Eigen::Map<const Array> weights(rule_.weights.data(), count);
+    const Array values = weights * intensity.array();
+    Array before = Array::Zero(count), here = Array::Ones(count);
+    std::vector<double> moments;
+    for (int l = 0; l <= highest_; ++l) {
+        moments.push_back((values * here).sum());
+        before = ((2.0 * l + 1) / (l + 1.0)) * x * here - (l / (l + 1.0)) * before;
+        before.swap(here);
+    }
+    return moments;
+}
+
+bool has_phase_series(const Ensemble& ensemble) { return ensemble.terms() <= kMostTerms; }
+
+EnsembleOptics average_phase_series(const EnsembleRequest& request, const Ensemble& ensemble,
+                                    const Executor& run) {
+    const TableSummation summation(request, ensemble, run);
+    const RefinedAverage average = refine_sizes(ensemble, summation, request.tolerance);
+    EnsembleOptics optics = efficiencies_of(average.sums.spheres, ensemble.share);
+    optics.size_nodes = average.sizes;
+    optics.error_estimate = average.error_estimate;
+    optics.converged = optics.error_estimate <= request.tolerance;
+    optics.chi = summation.chi(average);
+    // The sums of g go on when those of P have ended.
+    optics.chi[1] = optics.asymmetry;
+    const double floor = summation.floor(average.sums.spheres);
+    const Array noise = summation.change_of_phase(average) / summation.phase(average).max(floor);
+    optics.phase_table = std::make_shared<const PhaseTable>(
+        table_of_series(optics.chi, noise, summation.angles(), floor));
+    optics.chi.resize(std::size_t(std::max(0, request.highest_moment + 1)), 0.0);
+    return optics;
+}
+
+PhaseValues phase_series_at_angles(const EnsembleRequest& request, const Ensemble& ensemble,
+                                   const Executor& run) {
+    const PointSummation summation(request, ensemble, run);
+    const RefinedAverage average =
+        refine_sizes(ensemble, summation, 1.0, summation.most_sizes(request.phase_work));
+    const std::vector<double> chi = summation.chi(average);
+    const Array change = summation.change_of_phase(average), theta = summation.angles();
+    PhaseValues values;
+    for (const double angle : request.angles_deg) {
+        const double at = angle * std::numbers::pi / 180;
+        values.phase.push_back(math::legendre_series(chi, cosine_of_scattering_angle(angle)));
+        values.error.push_back(
+            SizeRule::kSafety *
+            noise_around(at, at, change, theta, std::numbers::pi / double(theta.size())));
+    }
+    return values;
+}
+
+}  // namespace miebrdf::mie
