@@ -271,12 +271,15 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
         return optics;
     }
     const MomentSource source = moment_source(request, ensemble.terms());
+    const auto rays = [&](double tolerance) {
+        return average_over_rays(ensemble, band_width(request, source), tolerance, pieces);
+    };
     std::optional<EnsembleOptics> optics;
-    if (source != MomentSource::gauss_angles)
-        optics =
-            average_over_rays(ensemble, band_width(request, source), request.tolerance, pieces);
+    if (source != MomentSource::gauss_angles) optics = rays(request.tolerance);
+    // Of a dark medium more is wanted, as is known now.
     const double wanted = optics ? wanted_error(request, *optics) : 0.0;
-    if (optics && optics->error_estimate <= wanted) {
+    if (optics && !(optics->error_estimate <= wanted)) optics = rays(wanted);
+    if (optics) {
         optics->error_estimate = std::max(optics->error_estimate, SizeRule::kLeastStated * wanted);
     } else {
         optics = average_over_spheres(request, ensemble, source, pieces);

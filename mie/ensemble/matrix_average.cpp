@@ -86,11 +86,12 @@ class MatrixSummation : public SizeSummation {
         return all;
     }
 
-    Eigen::ArrayXd units(const Eigen::ArrayXd& averages, const SphereSums& sums) const override {
-        Eigen::ArrayXd all = Eigen::ArrayXd::Ones(averages.size());
-        all.tail(nodes()) =
-            MatrixRule::kPhasePerDegree * averages.tail(nodes()).max(dim_phase(sums));
-        return all;
+    double size_of(const Eigen::ArrayXd& change, const Eigen::ArrayXd& averages,
+                   const SphereSums& sums) const override {
+        const Eigen::ArrayXd relative =
+            change.tail(nodes()) / averages.tail(nodes()).max(dim_phase(sums));
+        return std::max(change.head(change.size() - nodes()).abs().maxCoeff(),
+                        relative.abs().maxCoeff() / MatrixRule::kPhasePerDegree);
     }
 
     double tolerance(const SphereSums&) const override { return request_.tolerance; }

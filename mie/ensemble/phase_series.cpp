@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -16,6 +15,10 @@ namespace {
 
 /// Up to so many partial waves the sums at all nodes take less time than the waves.
 constexpr int kMostTerms = 100;
+/// The error of P at an angle, in rms of the noise around it: random errors exceed it in 0.3 %.
+constexpr double kDeviations = 3;
+/// P is positive; rounding is not.
+constexpr double kLeastPhase = 1e-30;
 
 using Array = Eigen::ArrayXd;
 
@@ -26,7 +29,8 @@ class SeriesSummation : public SizeSummation {
         : ensemble_(ensemble),
           run_(run),
           terms_(ensemble.terms()),
-          gauss_(terms_, 2 * terms_, run) {}
+          gauss_(terms_, 2 * terms_, run),
+          theta_(gauss_.cosines().acos()) {}
 
     SizeSums sum(const SizeNodes& nodes, bool all) const override {
         SizeSumOptions options;
@@ -44,10 +48,11 @@ class SeriesSummation : public SizeSummation {
         return all;
     }
 
-    Array units(const Array& averages, const SphereSums& sums) const override {
-        Array all(averages.size());
-        all << Array::Ones(moment_count()), allowed(averages.tail(nodes()), sums) / tolerance(sums);
-        return all;
+    double size_of(const Array& change, const Array& averages,
+                   const SphereSums& sums) const override {
+        return std::max(change.head(moment_count()).abs().maxCoeff(),
+                        tolerance(sums) / SizeRule::kSafety *
+                            noise_over_allowed(change.tail(nodes()), averages.tail(nodes()), sums));
     }
 
     /// All that are not rounding.
@@ -62,15 +67,19 @@ class SeriesSummation : public SizeSummation {
         if (average.change.size() == 0) return Array::Zero(nodes());
         return average.change.tail(nodes());
     }
-    Array angles() const { return gauss_.cosines().acos(); }
+    const Array& angles() const { return theta_; }
     int most_sizes(double work) const {
         const double each = double(terms_) * double(nodes());
         return int(std::min(double(SizeRule::kMostEven), work / each));
     }
 
   protected:
-    /// The error of P that is allowed at each node.
-    virtual Array allowed(const Array& phase, const SphereSums& sums) const = 0;
+    /// Where it is largest.
+    virtual double noise_over_allowed(const Array& change, const Array& phase,
+                                      const SphereSums& sums) const = 0;
+    double noise_at(double theta, const Array& change) const {
+        return noise_around(theta, theta, change, theta_, std::numbers::pi / double(nodes()));
+    }
     const Ensemble& ensemble() const { return ensemble_; }
 
   private:
@@ -83,6 +92,7 @@ class SeriesSummation : public SizeSummation {
     const Executor& run_;
     int terms_;
     GaussMoments gauss_;
+    Array theta_;
 };
 
 class TableSummation : public SeriesSummation {
@@ -98,9 +108,14 @@ class TableSummation : public SeriesSummation {
     double floor(const SphereSums& sums) const { return bright(sums) * request_.phase_floor; }
 
   protected:
-    Array allowed(const Array& phase, const SphereSums& sums) const override {
-        const double share = std::max(bright(sums), DarkMedium::kLeastShare);
-        return share * request_.phase_tolerance * phase.max(floor(sums));
+    // By the rms around each node, as the table states it.
+    double noise_over_allowed(const Array& change, const Array& phase,
+                              const SphereSums& sums) const override {
+        const Array relative = change / phase.max(floor(sums));
+        double largest = 0;
+        for (const double theta : angles()) largest = std::max(largest, noise_at(theta, relative));
+        return largest /
+               (std::max(bright(sums), DarkMedium::kLeastShare) * request_.phase_tolerance);
     }
 
   private:
@@ -119,23 +134,23 @@ class PointSummation : public SeriesSummation {
 
     double tolerance(const SphereSums&) const override { return 1; }
 
+    double error_at(double angle_deg, const Array& change) const {
+        return kDeviations * noise_at(angle_deg * std::numbers::pi / 180, change);
+    }
+
   protected:
-    Array allowed(const Array& phase, const SphereSums&) const override {
-        const Array theta = angles();
-        const double reach = kNoiseReach * std::numbers::pi / double(theta.size());
-        Array all = Array::Constant(theta.size(), std::numeric_limits<double>::max());
+    double noise_over_allowed(const Array& change, const Array& phase,
+                              const SphereSums&) const override {
+        const Array relative = change / phase.max(std::max(request_.phase_floor, kLeastPhase));
+        double largest = 0;
         for (std::size_t i = 0; i < request_.angles_deg.size(); ++i) {
-            const double at = request_.angles_deg[i] * std::numbers::pi / 180;
-            for (Eigen::Index k = 0; k < theta.size(); ++k) {
-                if (!(std::abs(theta[k] - at) <= reach)) continue;
-                const double own =
-                    request_.phase_allowed.empty()
-                        ? request_.phase_tolerance * std::max(phase[k], request_.phase_floor)
-                        : request_.phase_allowed[i];
-                all[k] = std::min(all[k], own);
-            }
+            const double angle = request_.angles_deg[i];
+            const double ratio = request_.phase_allowed.empty()
+                                     ? error_at(angle, relative) / request_.phase_tolerance
+                                     : error_at(angle, change) / request_.phase_allowed[i];
+            largest = std::max(largest, ratio);
         }
-        return all;
+        return largest;
     }
 
   private:
@@ -191,14 +206,11 @@ PhaseValues phase_series_at_angles(const EnsembleRequest& request, const Ensembl
     const RefinedAverage average =
         refine_sizes(ensemble, summation, 1.0, summation.most_sizes(request.phase_work));
     const std::vector<double> chi = summation.chi(average);
-    const Array change = summation.change_of_phase(average), theta = summation.angles();
+    const Array change = summation.change_of_phase(average);
     PhaseValues values;
     for (const double angle : request.angles_deg) {
-        const double at = angle * std::numbers::pi / 180;
         values.phase.push_back(math::legendre_series(chi, cosine_of_scattering_angle(angle)));
-        values.error.push_back(
-            SizeRule::kSafety *
-            noise_around(at, at, change, theta, std::numbers::pi / double(theta.size())));
+        values.error.push_back(summation.error_at(angle, change));
     }
     return values;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 
 #include "mie/ensemble/ray_moments.h"
@@ -23,6 +24,9 @@ struct RayRule {
     static constexpr double kPerSpread = 7;
     /// Products are in single precision.
     static constexpr double kLeastTolerance = 1e-6;
+    /// Moments err by up to 1.2 times what sharp ends change the extinction by, more where both
+    /// ends happen to cancel there; a quarter of their bound is left at least.
+    static constexpr double kPerChange = 3, kLeastOfEnds = 0.25;
     /// Moments from 16 Gauss sizes: what they leave of the light reflected near the edge, and of
     /// high orders of small spheres; it falls with the number of sizes.
     static constexpr int kSizes = 16, kMostSizes = 128;
@@ -40,6 +44,22 @@ struct PhaseRayRule {
     static constexpr double kCrossingIndex = 1.4, kCrossingBias = 0.5, kExactCrossingBias = 1.5;
     static constexpr double kLargestBound = 1e-3;
 };
+
+// What sharp ends of the sizes change the extinction by: light through the middle of a sphere
+// interferes with diffracted light, Q = -8/x Im B exp(2i (m - 1) x), B = m^2 / ((m + 1) (m^2 - 1))
+// (Nussenzveig & Wiscombe 1980), integrated by parts.
+double extinction_of_ends(const Ensemble& ensemble) {
+    if (!ensemble.law().has_ends) return 0;
+    using Complex = std::complex<double>;
+    const Complex m = ensemble.scatterer.relative_index, turns = Complex(0, 2) * (m - 1.0);
+    const auto density = area_density(ensemble.sizes);
+    const auto at = [&](double radius_um) {
+        const double x = ensemble.wave_number_per_um * radius_um;
+        return density->at(radius_um) / ensemble.wave_number_per_um / x * std::exp(turns * x);
+    };
+    const Complex ends = at(ensemble.range.largest_um) - at(ensemble.range.smallest_um);
+    return -8 * (m * m / ((m + 1.0) * (m * m - 1.0)) / turns * ends).imag() / ensemble.share;
+}
 
 double rule_error(double x_effective, int highest_moment, int sizes) {
     const double fineness = std::max(highest_moment, 1) / x_effective;
@@ -137,7 +157,12 @@ std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int hi
     const RayBound bound = ray_bound(ensemble);
     const double k = ensemble.wave_number_per_um;
     const double x = k * effective_radius_of(ensemble.sizes);
-    if (!(bound.total() <= tolerance)) return std::nullopt;
+    if (!(bound.spread <= tolerance)) return std::nullopt;
+    const double of_ends = extinction_of_ends(ensemble);
+    const double known = bound.spread + std::max(RayRule::kPerChange * std::abs(of_ends) / 2,
+                                                 RayRule::kLeastOfEnds * bound.ends);
+    const double of_rays = std::min(known, bound.total());
+    if (!(of_rays <= tolerance)) return std::nullopt;
 
     int size_count = RayRule::kSizes;
     const double ratio = ensemble.range.largest_um / ensemble.range.smallest_um;
@@ -147,15 +172,15 @@ std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int hi
         size_count *= 2;
     }
     const double of_rule = rule_error(x, highest_moment, size_count);
-    if (!(of_rule + bound.total() <= tolerance)) return std::nullopt;
+    if (!(of_rule + of_rays <= tolerance)) return std::nullopt;
 
     EnsembleOptics optics;
-    optics.error_estimate = of_rule + bound.total();
+    optics.error_estimate = of_rule + of_rays;
     const int terms = number_of_terms(k * ensemble.range.largest_um);
     const MomentTransform transform(terms, std::max(highest_moment, 1));
     const WeightedSizes sizes(smooth_size_nodes(ensemble.sizes, ensemble.range, size_count), k);
     const RaySums sums = sum_over_rays(ensemble.scatterer.relative_index, sizes, transform, run);
-    optics.q_ext = 2 * sums.extinguished / ensemble.share;
+    optics.q_ext = 2 * sums.extinguished / ensemble.share + of_ends;
     optics.q_abs = 2 * sums.absorbed / ensemble.share;
     optics.q_sca = optics.q_ext - optics.q_abs;
     optics.one_minus_albedo = optics.q_abs / optics.q_ext;

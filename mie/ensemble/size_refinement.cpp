@@ -30,10 +30,6 @@ Scalars weights_of(const SphereSums& sums) {
             1 / std::clamp(1 - optics.asymmetry, 1e-6, 1.0)};
 }
 
-double largest(const Eigen::ArrayXd& changes) {
-    return changes.size() > 0 ? changes.abs().maxCoeff() : 0.0;
-}
-
 // Series may be of different lengths: what a shorter one lacks is zero.
 Eigen::ArrayXd difference(const Eigen::ArrayXd& a, const Eigen::ArrayXd& b) {
     Eigen::ArrayXd result = Eigen::ArrayXd::Zero(std::max(a.size(), b.size()));
@@ -68,8 +64,8 @@ class Refinement {
     double change_by(SizeSums sums, bool all);
     double scatter() const;
     void sum_all_again(int count);
-    Eigen::ArrayXd units() const {
-        return summation_.units(result_.averages, result_.sums.spheres);
+    double change_of_averages() const {
+        return summation_.size_of(result_.change, result_.averages, result_.sums.spheres);
     }
     void put_error(double error);
     bool is_enough() const { return result_.error_estimate <= tolerance_; }
@@ -118,8 +114,7 @@ bool Refinement::by_gauss_nodes(double tolerance) {
     result_.averages = summation_.averages(result_.sums);
     for (int count = 2 * SizeRule::kFirstGauss; count <= SizeRule::kMostGauss; count *= 2) {
         const double of_scalars = change_by(sum(count), true);
-        const double of_averages = largest(result_.change / units());
-        put_error(std::max(of_scalars, of_averages));
+        put_error(std::max(of_scalars, change_of_averages()));
         if (is_enough()) return true;
     }
     // What is wanted beyond the tolerance is not worth sampling ripple.
@@ -180,7 +175,7 @@ void Refinement::by_even_nodes(int most_sizes) {
         const Scalars scalars = scalars_of(result_.sums.spheres);
         const double tolerance = summation_.tolerance(result_.sums.spheres);
         const auto judge_averages = [&] {
-            of_averages = largest(result_.change / units());
+            of_averages = change_of_averages();
             asymmetry = scalars[kAsymmetry];
         };
         if (all) judge_averages();

@@ -11,7 +11,7 @@
 namespace miebrdf::mie {
 
 /// The rule that says which sizes are summed and what their average errs by. Its numbers were
-/// chosen on 320 random ensembles, and judged on 640 others (tools/constants/size_battery.cpp).
+/// chosen on 320 random ensembles, and judged on 640 others (docs/internals/constants.md).
 ///
 /// Smooth in size: Gauss nodes in ln r, n = 16, 32, ... 128:
 ///     error = 2 |G_n - G_2n|.
@@ -44,9 +44,10 @@ class SizeSummation {
     virtual SizeSums sum(const SizeNodes& nodes, bool all) const = 0;
     /// Moments, coefficients of the matrix, or P.
     virtual Eigen::ArrayXd averages(const SizeSums& sums) const = 0;
-    /// The change of each average that counts as much as a relative change of q_ext.
-    virtual Eigen::ArrayXd units(const Eigen::ArrayXd& averages, const SphereSums&) const {
-        return Eigen::ArrayXd::Ones(averages.size());
+    /// The relative change of q_ext that counts as much as this change of the averages.
+    virtual double size_of(const Eigen::ArrayXd& change, const Eigen::ArrayXd& /*averages*/,
+                           const SphereSums& /*sums*/) const {
+        return change.size() > 0 ? change.abs().maxCoeff() : 0.0;
     }
     /// The error that is wanted, by what is known so far.
     virtual double tolerance(const SphereSums& sums) const = 0;

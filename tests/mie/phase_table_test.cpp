@@ -153,8 +153,9 @@ TEST_CASE("noise of a table at wide angles does not brighten its forward peak",
     request.wavelength_nm = 550;
     request.highest_moment = 128;
     mie::EnsembleRequest exact = request;
-    exact.tolerance = 2e-5;
-    const std::vector<double> truth = mie::average_over_sizes(exact).chi;
+    exact.tolerance = 5e-6;
+    const mie::EnsembleOptics spheres = mie::average_over_sizes(exact);
+    const std::vector<double>& truth = spheres.chi;
 
     // A BRDF at 3e-3 asks for this. Half of the light is in the peak, whose moments are alike.
     request.tolerance = 6e-4;
@@ -177,7 +178,7 @@ TEST_CASE("noise of a table at wide angles does not brighten its forward peak",
     CAPTURE(largest, sum / count, optics.error_estimate);
     // Noise of single nodes, 1e-2 of P, in the one, and none of it in the other.
     CHECK(largest <= 6e-5);
-    CHECK(std::abs(sum / count) <= 1.5e-5);
+    CHECK(std::abs(sum / count) <= 1.5e-5 + spheres.error_estimate);
     CHECK(largest <= optics.error_estimate);
 }
 

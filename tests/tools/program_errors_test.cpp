@@ -47,7 +47,7 @@ TEST_CASE("numbers out of range end with exit code 2, the value and what is allo
             {"brdf --base TiO2 --mu-in 1 --mu-out 1 --size-distribution cubic",
              {"cubic", "power-law"}},
             {"optics TiO2 --effective-radius inf", {"--effective-radius", "inf", "finite"}},
-            {"optics TiO2 --effective-radius 1e6", {"--effective-radius 1000000", "1e5"}},
+            {"optics TiO2 --effective-radius 1e6", {"--effective-radius 1000000", "1e+06"}},
             {"albedo --base isotropic:2", {"2", "[0, 1]"}},
             {"sphere --index 1.5,-1 --size-parameter 1", {"-1", "k >= 0"}},
             {"sphere --index 1.5,0 --size-parameter -1", {"-1"}},
