@@ -522,8 +522,8 @@ TEST_CASE("a fit that ends at the edge of what can be computed says so and gives
     require_fit();
     // Grains reflect the less the larger they are, and no size that can be computed is as dark.
     FitProblem problem{
-        .scene = {{"base", {"index:1.31,1e-6,radius={r},variance=0.2,distribution=log-normal"}}},
-        .unknowns = {unknown("r", "200 in 20:3000 log")},
+        .scene = {{"base", {"index:1.31,1e-7,radius={r},variance=0.2,distribution=log-normal"}}},
+        .unknowns = {unknown("r", "2000 in 200:30000 log")},
         .data = {FitData{
             .name = "dark",
             .values = {{.wavelength_nm = 450, .mu_in = 0.7, .value = 0.02, .sigma = 1e-3}}}}};
@@ -534,6 +534,6 @@ TEST_CASE("a fit that ends at the edge of what can be computed says so and gives
     CHECK(std::isnan(value_of(found, "r").standard_error));
     CHECK_THAT(value_of(found, "r").note, Contains("no interval"));
     // A start beyond is refused with one that would work.
-    problem.unknowns = {unknown("r", "2500 in 20:3000 log")};
-    CHECK_THROWS_WITH(fit(problem), Contains("the fit cannot start from r = 2500, but"));
+    problem.unknowns = {unknown("r", "25000 in 200:30000 log")};
+    CHECK_THROWS_WITH(fit(problem), Contains("the fit cannot start from r = 25000, but"));
 }
