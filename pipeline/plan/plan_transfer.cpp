@@ -72,12 +72,12 @@ void Planner::polarisation() {
     std::size_t unknown = 0;
     for (const LayerJob& job : jobs_) {
         const LightChoice light = choose_light(request_, job.wavelength);
-        if (light.begins_coarsely) {
-            ++scalar["scattering matrices of few sizes mostly tell that it does not show"];
-        } else if (light.needs_matrices) {
+        if (!light.needs_comparison) {
+            ++(light.components > 1 ? polarised : scalar)[light.reason];
+        } else if (light.components > 1) {
             ++unknown;
         } else {
-            ++(light.components > 1 ? polarised : scalar)[light.reason];
+            ++scalar["scattering matrices of few sizes mostly tell that it does not show"];
         }
     }
     for (const auto& [reason, count] : polarised) {

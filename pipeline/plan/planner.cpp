@@ -121,7 +121,7 @@ double Planner::mie_cost(const ResolvedSpecies& species, std::size_t w, bool who
 OpticsDemand Planner::demand_at(std::size_t w) const {
     const LightChoice light = choose_light(request_, w);
     OpticsDemand demand = demand_;
-    demand.polarisation = light.components > 1 || (light.needs_matrices && !light.begins_coarsely);
+    demand.polarisation = light.components > 1;
     return demand;
 }
 

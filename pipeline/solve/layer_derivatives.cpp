@@ -247,12 +247,9 @@ class WavelengthDerivatives {
 
   private:
     void find_optics() {
-        const bool transmits =
-            request_.scene.substrate && request_.quantity == LayerQuantity::albedo;
-        optics_ =
-            visible_optics(request_.scene, request_.directions,
-                           transmits ? 0.0 : request_.solver.tolerance, {w_}, demand_, control_)
-                .front();
+        optics_ = visible_optics(request_.scene, request_.directions, tolerance_of_hiding(request_),
+                                 {w_}, demand_, control_)
+                      .front();
         optics_.stack = stack_of(request_.scene, control_);
     }
 

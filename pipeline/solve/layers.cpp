@@ -241,6 +241,14 @@ LayerSlice unpacked(const std::vector<double>& numbers) {
     return slice;
 }
 
+std::vector<std::size_t> wavelengths_of(const std::vector<LayerJob>& jobs,
+                                        const std::vector<std::size_t>& places) {
+    std::vector<std::size_t> wavelengths;
+    wavelengths.reserve(places.size());
+    for (const std::size_t place : places) wavelengths.push_back(jobs[place].wavelength);
+    return wavelengths;
+}
+
 }  // namespace
 
 LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity) {
@@ -284,6 +292,11 @@ bool is_reflection(LayerQuantity quantity) {
 
 PhaseDemand phase_demand(LayerQuantity quantity) {
     return is_reflection(quantity) ? PhaseDemand::whole : PhaseDemand::moments_only;
+}
+
+double tolerance_of_hiding(const LayerRequest& request) {
+    const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
+    return transmits ? 0.0 : request.solver.tolerance;
 }
 
 int first_streams(const LayerRequest& request) {
@@ -345,26 +358,29 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     const std::vector<std::size_t> computed = missing;
     const auto demand = demand_of(request.solver, request.scene.particles.tolerance,
                                   phase_demand(request.quantity));
-    // The light that passes the layers is wanted too: only what lets nothing through hides a
-    // ground.
-    const bool transmits = request.scene.substrate && request.quantity == LayerQuantity::albedo;
-    const double hiding = transmits ? 0.0 : request.solver.tolerance;
+    std::vector<LightChoice> light(jobs.size());
+    {
+        const auto chosen = light_of(reduced, wavelengths_of(jobs, missing), control);
+        for (std::size_t i = 0; i < missing.size(); ++i) light[missing[i]] = chosen[i];
+    }
     tbb::enumerable_thread_specific<rte::SolutionMemory> memories(
         [boundaries = rough_boundaries_of(control)] { return rte::memory_with(boundaries); });
     // Returns the jobs that want more moments than these.
     const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
-        std::vector<std::size_t> wavelengths(places.size());
-        for (std::size_t i = 0; i < places.size(); ++i) wavelengths[i] = jobs[places[i]].wavelength;
-        const auto lit = light_and_optics(reduced, wavelengths, hiding, own, control);
+        std::vector<char> polarised(places.size());
+        for (std::size_t i = 0; i < places.size(); ++i)
+            polarised[i] = light[places[i]].components > 1;
+        const auto optics =
+            visible_optics(reduced.scene, reduced.directions, tolerance_of_hiding(reduced),
+                           wavelengths_of(jobs, places), polarised, own, control);
         std::vector<char> wants_more(places.size(), 0);
         run_parallel("radiative transfer", places.size(), control, [&](std::size_t i) {
             const LayerJob& job = jobs[places[i]];
             LayerSlice& slice = solved[places[i]];
-            const auto& [light, optics] = lit[i];
-            slice = solve(reduced, optics, job.wavelength, own, light, pieces_of_job(control),
-                          memories.local());
+            slice = solve(reduced, optics[i], job.wavelength, own, light[places[i]],
+                          pieces_of_job(control), memories.local());
             wants_more[i] = own.highest_moment < demand.highest_moment &&
-                            lacks_moments(request, own, slice.report, optics.stack);
+                            lacks_moments(request, own, slice.report, optics[i].stack);
             if (control.cache != nullptr && !wants_more[i])
                 control.cache->store(job.hash, packed(slice));
         });

@@ -35,6 +35,10 @@ struct LayerRequest {
     LayerQuantity quantity = LayerQuantity::reflection;
 };
 
+/// What layers may hide of those below (visible_optics). Where the light that passes them is wanted
+/// too, only what lets nothing through hides a ground.
+double tolerance_of_hiding(const LayerRequest& request);
+
 /// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
 /// half).
 int first_streams(const LayerRequest& request);

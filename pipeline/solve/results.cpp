@@ -68,7 +68,7 @@ bool is_straight_back(const rte::SolverReport& solver) {
 /// Nothing but what leaving polarisation out may change is beyond what was asked for.
 bool is_polarisation_alone(const WavelengthReport& report, double tolerance) {
     return !report.converged && report.solver.converged && report.error_estimate <= tolerance &&
-           report.polarisation_left_out > std::max(tolerance, kPromisedWithoutPolarisation);
+           report.polarisation_left_out > tolerance;
 }
 
 }  // namespace
@@ -82,9 +82,9 @@ std::vector<std::string> ResultReport::shortfalls() const {
         const rte::SolverReport& solver = report.solver;
         if (is_polarisation_alone(report, tolerance)) {
             line += fmt::format(
-                ", but polarisation was left out, which may change values by up to {:.1g} of "
-                "themselves (estimate): stokes 3 has it computed, but below rough boundaries; "
-                "stokes 1 asks for light without it",
+                ", but polarisation was left out, which may change values by up to {:.1g} of the "
+                "largest at that incidence (estimate): stokes 3 has it computed, but below rough "
+                "boundaries; stokes 1 asks for light without it",
                 report.polarisation_left_out);
             continue;
         }
@@ -130,30 +130,31 @@ std::vector<std::string> ResultReport::polarisation() const {
     std::size_t polarised = 0;
     int components = 1;
     double left_out = 0.0;
+    bool shows = false;
     for (const WavelengthReport& at : wavelengths) {
         polarised += at.stokes > 1 ? 1 : 0;
         components = std::max(components, at.stokes);
         left_out = std::max(left_out, at.polarisation_left_out);
+        shows = shows || is_polarisation_alone(at, tolerance);
     }
     std::vector<std::string> lines;
     if (polarised > 0) {
         lines.push_back(fmt::format("{} components of light at {} of {} wavelengths", components,
                                     polarised, wavelengths.size()));
     }
-    if (left_out >= 1.0) {
+    if (left_out >= kNotCompared) {
         lines.push_back(
-            "left out, although it may show: nothing bounds the changes of the values (stokes 3 "
-            "has "
-            "it computed, but below rough boundaries)");
-    } else if (left_out > kPromisedWithoutPolarisation) {
+            "left out: what it changes is not looked at (a rough surface, crowded particles and "
+            "methods by name are for unpolarised light)");
+    } else if (shows || left_out > std::max(tolerance, kPromisedWithoutPolarisation)) {
         lines.push_back(fmt::format(
-            "left out, although it shows: relative changes of the values may be up to {:.1g} "
-            "(estimate; stokes 3 has it computed, but below rough boundaries)",
+            "left out, although it shows: it may change values by up to {:.1g} of the largest at "
+            "that incidence (estimate; stokes 3 has it computed, but below rough boundaries)",
             left_out));
     } else if (left_out > 0.0) {
         lines.push_back(fmt::format(
-            "left out: relative changes of the values are below {:.1g} (estimate; stokes "
-            "3 has it computed)",
+            "left out: it changes values by less than {:.1g} of the largest at that incidence "
+            "(estimate; stokes 3 has it computed)",
             left_out));
     }
     return lines;

@@ -182,6 +182,27 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
     return stacks;
 }
 
+std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Directions& directions,
+                                        double tolerance,
+                                        const std::vector<std::size_t>& wavelengths,
+                                        const std::vector<char>& polarised, OpticsDemand demand,
+                                        const Control& control) {
+    std::vector<SceneOptics> all(wavelengths.size());
+    for (const bool with : {false, true}) {
+        std::vector<std::size_t> places, some;
+        for (std::size_t i = 0; i < wavelengths.size(); ++i) {
+            if (bool(polarised[i]) != with) continue;
+            places.push_back(i);
+            some.push_back(wavelengths[i]);
+        }
+        if (places.empty()) continue;
+        demand.polarisation = with;
+        auto optics = visible_optics(scene, directions, tolerance, some, demand, control);
+        for (std::size_t i = 0; i < places.size(); ++i) all[places[i]] = std::move(optics[i]);
+    }
+    return all;
+}
+
 std::vector<SceneOptics> optics_from(const ResolvedScene& scene, std::size_t lowest_medium,
                                      const std::vector<std::size_t>& wavelengths,
                                      const OpticsDemand& demand, const Control& control) {

@@ -25,6 +25,14 @@ std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Direct
                                         const std::vector<std::size_t>& wavelengths,
                                         const OpticsDemand& demand, const Control& control);
 
+/// As above, with scattering matrices at the wavelengths where these are wanted.
+/// @param polarised  [place in `wavelengths`]
+std::vector<SceneOptics> visible_optics(const ResolvedScene& scene, const Directions& directions,
+                                        double tolerance,
+                                        const std::vector<std::size_t>& wavelengths,
+                                        const std::vector<char>& polarised, OpticsDemand demand,
+                                        const Control& control);
+
 /// As above, with the layers from a given medium up, whatever they hide: a scene a little different
 /// from one of which that is known.
 /// @param lowest_medium  as of SceneOptics

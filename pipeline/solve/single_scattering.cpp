@@ -112,7 +112,7 @@ MediumOptics polarising(const ResolvedSpecies& species, std::size_t w, const Opt
                         const mie::Executor& run) {
     auto request = matrix_request(species, w, demand);
     const double size = size_parameter(species, w);
-    if (demand.stand_ins && size > kLargestOwnMatrix) {
+    if (demand.only_compared && size > kLargestOwnMatrix) {
         // Refusals are in words of its own sizes and wavelength.
         ask_mie(species.species, request, mie::require_average);
         request = stand_in(std::move(request), size);
@@ -170,9 +170,9 @@ OpticsDemand demand_of(const rte::SolverOptions& solver, double mie_tolerance, P
 }
 
 std::string optics_hash(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand) {
-    const auto& [highest_moment, whole, angles_deg, tolerance, polarisation, stand_ins] = demand;
-    const bool by_others = polarisation && stand_ins && species.needs_mie() &&
-                           size_parameter(species, w) > kLargestOwnMatrix;
+    const auto& [highest_moment, whole, angles_deg, tolerance, polarisation, compared] = demand;
+    const bool by_others =
+        compared && species.needs_mie() && size_parameter(species, w) > kLargestOwnMatrix;
     JobKey key(by_others      ? "scattering matrix of a stand-in"
                : polarisation ? "scattering matrix"
                               : "single scattering");

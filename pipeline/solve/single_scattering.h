@@ -26,14 +26,13 @@ struct OpticsDemand {
     /// The whole scattering matrix, rte::Optics::polarisation, with all moments and a table of the
     /// phase function.
     bool polarisation = false;
-    /// With `polarisation`: spheres beyond kLargestOwnMatrix are stood in for by smaller ones,
-    /// whose rays are refracted, reflected and absorbed alike: enough to tell what polarisation
-    /// changes.
-    bool stand_ins = false;
+    /// With `polarisation`, to tell what it changes: spheres of kLargestOwnMatrix, whose rays are
+    /// refracted, reflected and absorbed alike, stand in for larger ones.
+    bool only_compared = false;
 };
 
-/// Size parameter up to which scattering matrices are computed wherever they may be needed: those
-/// of larger spheres would cost more than the rest.
+/// Size parameter up to which scattering matrices of the spheres themselves tell what polarisation
+/// changes: those of larger ones would cost more than the rest.
 inline constexpr double kLargestOwnMatrix = 60.0;
 /// Of the effective radius.
 double size_parameter(const ResolvedSpecies& species, std::size_t w);

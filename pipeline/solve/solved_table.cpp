@@ -29,18 +29,23 @@ rte::SpectralFirstOrder first_order_of(std::span<const SolvedWavelength> wavelen
 std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, const Control& control) {
     const ResolvedScene& scene = state.scene;
     const std::size_t count = scene.wavelength_nm.size();
-    std::vector<LitScene> lit(count);
+    std::vector<LightChoice> light(count);
+    std::vector<SceneOptics> optics(count);
     if (state.part != BrdfPart::surface) {
         const auto demand = demand_of(state.solver, scene.particles.tolerance, PhaseDemand::whole);
         const LayerRequest request{scene, probe_directions(), state.solver};
         const std::vector<std::size_t> all = all_wavelengths(scene);
-        lit = light_and_optics(request, all, state.solver.tolerance, demand, control);
+        light = light_of(request, all, control);
+        std::vector<char> polarised(count);
+        for (std::size_t w = 0; w < count; ++w) polarised[w] = light[w].components > 1;
+        optics = visible_optics(scene, request.directions, state.solver.tolerance, all, polarised,
+                                demand, control);
     }
     const auto boundaries = rough_boundaries_of(control);
     std::vector<std::optional<SolvedWavelength>> solved(count);
     run_parallel("radiative transfer", count, control, [&](std::size_t w) {
         rte::SolutionMemory memory = rte::memory_with(boundaries);
-        solved[w].emplace(scene, w, lit[w].optics, state.solver, state.part, lit[w].light,
+        solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
                           state.components > 1, memory);
     });
     std::vector<SolvedWavelength> wavelengths;

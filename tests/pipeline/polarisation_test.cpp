@@ -221,13 +221,13 @@ TEST_CASE("auto computes polarisation where it shows, and only there",
     const Directions grazing = {{0.45}, {0.2, 0.8}, {0, 90, 180}};
     const auto metal = [&](int stokes) {
         return solve(scene_of("index:1.8,0.08,radius=14.5,variance=0.07"), {550},
-                     {.tolerance = 1e-2, .stokes = stokes})
+                     {.tolerance = 3e-3, .stokes = stokes})
             .evaluate(grazing);
     };
     const BrdfValues chosen = metal(0), polarised = metal(3), numbers = metal(1);
     CHECK(chosen.wavelengths[0].stokes == 3);
     CHECK(chosen.slices[0].total == polarised.slices[0].total);
-    CHECK(std::abs(chosen.at(0, 0, 0, 0) / numbers.at(0, 0, 0, 0) - 1) > 1e-3);
+    CHECK(std::abs(chosen.at(0, 0, 0, 2) / numbers.at(0, 0, 0, 2) - 1) > 6e-3);
     // Two surfaces, of which one sees what the other polarised, and none of the particles do.
     Scene film = scene_of("isotropic:1", {"hg:0.5,0 in index:1.5@1e-12"});
     film.substrate = substrate("none");
@@ -238,7 +238,7 @@ TEST_CASE("auto computes polarisation where it shows, and only there",
     CHECK(none.polarisation_left_out == 0.0);
 }
 
-TEST_CASE("auto takes numbers from the scattering matrices that it has looked at",
+TEST_CASE("where auto leaves polarisation out, values are those of light without it",
           "[pipeline][polarisation][rules]") {
     const support::TemporaryFolder folder;
     std::size_t averages = 0;
@@ -252,13 +252,12 @@ TEST_CASE("auto takes numbers from the scattering matrices that it has looked at
     const Scene scene = scene_of("index:1.5,0.01,radius=0.3");
     const Brdf brdf = solve(scene, {550, 600}, {.stokes = 0}, control);
     const BrdfValues values = brdf.evaluate(directions);
-    CHECK(averages == 2);
+    CHECK(averages == 4);  // matrices of few sizes, and those that the values are made of
     const BrdfValues numbers = solve(scene, {550, 600}, {.stokes = 1}).evaluate(directions);
     for (std::size_t w = 0; w < 2; ++w) {
         CHECK(values.wavelengths[w].stokes == 1);
         CHECK(values.wavelengths[w].polarisation_left_out > 0.0);
-        for (std::size_t i = 0; i < values.slices[w].total.size(); ++i)
-            CHECK(values.slices[w].total[i] == Approx(numbers.slices[w].total[i]).epsilon(4e-3));
+        CHECK(values.slices[w].total == numbers.slices[w].total);
     }
     // The plan knows them, too: other directions take them from the cache.
     const Plan plan = plan_evaluate(brdf, {{0.3}, {0.7}, {90}});
@@ -445,15 +444,16 @@ TEST_CASE("auto tells what it leaves out below a rough boundary as below a smoot
         return solve(scene, {550}, {.stokes = stokes}).evaluate(directions).slices[0].total;
     };
     const auto numbers = light(1), vectors = light(3);
+    const double brightest = *std::max_element(vectors.begin(), vectors.end());
     double change = 0.0;
     for (std::size_t k = 0; k < vectors.size(); ++k)
-        change = std::max(change, std::abs(numbers[k] / vectors[k] - 1));
+        change = std::max(change, std::abs(numbers[k] - vectors[k]) / brightest);
     CHECK(rough.stokes == 1);
     CHECK_FALSE(rough.converged);
     CHECK_THAT(found.shortfall(),
                Catch::Contains("polarisation was left out") && Catch::Contains("stokes 1"));
     CHECK(change >= 6e-3);
-    // With its margin of 1.5, and what few nodes miss.
+    // With its margin of 2, and what few nodes miss.
     CHECK(rough.polarisation_left_out >= change);
     CHECK(rough.polarisation_left_out <= 2.5 * change);
 }

@@ -67,8 +67,8 @@ struct WavelengthReport {
     double mie_error_estimate = 0.0;  ///< of the size averages, largest of the media
     PhaseNoise phase_noise;           ///< of single directions; not in error_estimate
     int stokes = 1;                   ///< components of light that were computed: 1, 3 or 4
-    /// Estimate of the relative changes by leaving polarisation out (docs/polarisation.md); 0:
-    /// none. Not in error_estimate.
+    /// Estimate of what leaving polarisation out changes, of the largest value at that incidence
+    /// (docs/polarisation.md); 0: none, 1: not looked at. Not in error_estimate.
     double polarisation_left_out = 0.0;
     double error_estimate = 0.0;  ///< of single scattering and transfer together
     /// error_estimate <= tolerance, every step says so, and polarisation that was left out was not
