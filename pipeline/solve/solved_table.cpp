@@ -178,6 +178,33 @@ void SmoothSum::add(const SmoothPart& smooth, double* values, std::size_t stride
             math::cosine_sum(scratch.series, scratch.cos_azimuth[d]) / std::numbers::pi;
 }
 
+namespace {
+
+/// Says which mirror reflections no value holds.
+void tell_mirrors(const ResolvedScene& scene, Provenance& provenance) {
+    constexpr double kGreen_nm = 555.0;
+    if (scene.boundary && scene.boundary->is_rough()) return;
+    const auto middle = std::min_element(
+        scene.wavelength_nm.begin(), scene.wavelength_nm.end(),
+        [](double a, double b) { return std::abs(a - kGreen_nm) < std::abs(b - kGreen_nm); });
+    const double n = scene.top_index(std::size_t(middle - scene.wavelength_nm.begin()));
+    if (n > 1.0) {
+        provenance.mirror_index = n;
+        provenance.left_out = fmt::format(
+            "the mirror reflection of the smooth boundary (index {:.4g}, {:.2g} % along the "
+            "normal), which goes into one direction alone: in the renderer add a smooth "
+            "dielectric of that index over black",
+            n, 100.0 * (n - 1) * (n - 1) / ((n + 1) * (n + 1)));
+    }
+    if (scene.substrate != Substrate::Kind::mirror) return;
+    provenance.left_out += fmt::format(
+        "{}what the mirror below reflects into the mirror direction without scattering: in the "
+        "renderer add a smooth conductor weakened to the mirror reflectance of the scene's albedo",
+        provenance.left_out.empty() ? "" : "; ");
+}
+
+}  // namespace
+
 SolvedTable::SolvedTable(const ResolvedScene& resolved, const std::string& title,
                          const SolverOptions& options, const TableOptions& table_options,
                          const Control& control)
@@ -198,6 +225,7 @@ SolvedTable::SolvedTable(const ResolvedScene& resolved, const std::string& title
                   report.summary(),
                   fmt::format("{}", fmt::join(report.polarisation(), "; ")),
                   scene.sources};
+    if (part != BrdfPart::surface) tell_mirrors(scene, provenance);
     sharp = make_sharp_parts(*this, control);
 }
 

@@ -358,3 +358,19 @@ TEST_CASE("a format from outside is exported, read back, refused and checked as 
     CHECK(folder.count() == 1);
     CHECK_THROWS_WITH(find_format("tinny", formats), Catch::Contains("did you mean tiny?"));
 }
+
+TEST_CASE("files say that the mirror reflection of a smooth boundary is not in them",
+          "[formats][brdf_export]") {
+    Scene scene{.base = medium("hg:0.9,0.4 in index:1.5")};
+    scene.boundary = rte::Boundary{};
+    const BrdfTable table = solve(scene, {480, 535, 620}).table();
+    CHECK(table.provenance().mirror_index == 1.5);
+    for (const char* format : {"json", "csv", "pbrt", "radiance"}) {
+        CAPTURE(format);
+        // Fresnel's ((n - 1) / (n + 1))^2 is .04.
+        CHECK_THAT(support::written_file(format, table, {.resolution = 4}),
+                   Catch::Contains("left_out") && Catch::Contains("index 1.5, 4 %"));
+    }
+    scene.boundary = rte::Boundary{.roughness = 0.3};
+    CHECK(solve(scene, {535}).table().provenance().left_out.empty());
+}

@@ -184,6 +184,8 @@ std::optional<std::vector<ExportedFile>> write_files(const BrdfSource& source,
                                                      const ExportArguments& arguments,
                                                      const Shell& shell) {
     announce_size(arguments, source.channels().size(), shell);
+    const std::string& left_out = source.provenance().left_out;
+    if (!left_out.empty()) shell.note("not in the file: " + left_out);
     try {
         const auto files = export_brdf(source, arguments.format(), shell.common().output,
                                        arguments.file(), shell.control());

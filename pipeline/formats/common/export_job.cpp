@@ -89,6 +89,7 @@ nlohmann::ordered_json metadata(const BrdfSource& source, const Conventions& con
     if (!origin.polarisation.empty()) json["polarisation"] = origin.polarisation;
     if (!conventions.colour.empty()) json["colour"] = conventions.colour;
     if (!origin.accuracy.empty()) json["accuracy"] = origin.accuracy;
+    if (!origin.left_out.empty()) json["left_out"] = origin.left_out;
     json["sources"] = origin.sources;
     return json;
 }
