@@ -10,6 +10,7 @@
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/formats/common/finite_source.h"
 #include "pipeline/io/atomic_file.h"
+#include "pipeline/solve/solved_table.h"
 
 namespace miebrdf {
 namespace {
@@ -161,7 +162,7 @@ struct PassedFile {
 };
 
 PassedFile write_and_compare(const Format& format, const FormatFile& part, const ExportJob& job,
-                             const fs::path& path) {
+                             const ExportJob& truth, const fs::path& path) {
     const AcceptedErrors accepted = accepted_by(format, job.options);
     ExportedFile written{with_suffix(path, part.suffix), 0, {}};
     auto file = std::make_unique<AtomicFile>(written.path);
@@ -175,18 +176,27 @@ PassedFile write_and_compare(const Format& format, const FormatFile& part, const
     part.write(job, file->stream());
     file->flush();
     written.bytes = fs::file_size(temporary);
-    written.deviation = compare(*open_brdf_file(temporary, {&format, 1}), part, job);
+    written.deviation = compare(*open_brdf_file(temporary, {&format, 1}), part, truth);
     const RegionDeviation* miss = worst_region(*written.deviation, accepted);
     if (miss != nullptr && !job.options.accept_error)
         refuse(format, part, job, accepted, *written.deviation, *miss);
     return {std::move(written), std::move(file)};
 }
 
+/// @param given  what the job's sources were made of: a solved table is written from one for many
+///               directions, and compared with itself
 std::vector<ExportedFile> export_sampled(const Format& format, const ExportJob& job,
-                                         const fs::path& path) {
+                                         const BrdfSource& given, const fs::path& path) {
+    const auto* const table = dynamic_cast<const BrdfTable*>(&given);
+    std::optional<BrdfTable> fast;
+    if (table != nullptr) fast = for_many_directions(*table, job.control);
+    const FiniteSource spectral(fast ? *fast : given);
+    const RgbSource rgb(spectral, job.rgb.weights());
+    const ExportJob written{spectral, rgb, job.options, job.control};
     std::vector<PassedFile> passed;
+    passed.reserve(format.files.size());
     for (const FormatFile& part : format.files)
-        passed.push_back(write_and_compare(format, part, job, path));
+        passed.push_back(write_and_compare(format, part, written, job, path));
     // Not before all of them are there: half of a pair is of no use.
     std::vector<ExportedFile> files;
     for (PassedFile& one : passed) {
@@ -225,7 +235,7 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& given, const Format& for
     const RgbSource rgb(source, colours_of(format, ready, source));
     const ExportJob job{source, rgb, ready, control};
     std::vector<ExportedFile> files = format.content == FormatContent::sampled
-                                          ? export_sampled(format, job, path)
+                                          ? export_sampled(format, job, given, path)
                                           : export_tables(format, job, path);
     if (format.sidecar != nullptr) {
         AtomicFile sidecar(path.string() + ".json");

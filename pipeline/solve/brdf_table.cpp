@@ -24,7 +24,7 @@ class SolvedMix : public ChannelMix {
             const bool counts = std::any_of(own.begin(), own.end(), [](const auto& weight) {
                 return weight != std::array{0.0, 0.0, 0.0};
             });
-            if (counts) parts_.push_back({&part, own});
+            if (counts && !part.is_empty()) parts_.push_back({&part, own});
         }
     }
 
@@ -104,6 +104,7 @@ void BrdfTable::evaluate_mueller(std::span<const Direction> asked, std::span<dou
         evaluate(asked, values);
         return;
     }
+    if (solved_->exact) return solved_->exact->evaluate_mueller(asked, values);
     const std::size_t channels = solved_->wavelengths.size();
     const auto elements = static_cast<std::size_t>(solved_->components * solved_->components);
     std::vector<Direction> storage;

@@ -146,14 +146,26 @@ double SolvedWavelength::transmitted(double mu_in, double mu_out) const {
 }
 
 SharpPart::SharpPart(std::span<const SolvedWavelength> wavelengths, const SolverOptions& solver)
-    : wavelengths_(wavelengths), first_order_(first_order_of(wavelengths, solver)) {}
+    : wavelengths_(wavelengths),
+      first_order_(first_order_of(wavelengths, solver)),
+      has_lobe_(std::any_of(wavelengths.begin(), wavelengths.end(),
+                            [](const SolvedWavelength& at) { return at.has_lobe(); })) {}
+
+SharpPart::SharpPart(const SharpPart& exact, std::span<const SolvedWavelength> wavelengths,
+                     bool first_order_is_smooth)
+    : wavelengths_(wavelengths), has_lobe_(exact.has_lobe_) {
+    if (!first_order_is_smooth) first_order_ = exact.first_order_;
+}
 
 void SharpPart::evaluate(std::span<const Direction> directions, std::span<double> values,
                          EvaluationScratch& scratch) const {
     const double mu_in = directions[0].mu_in, mu_out = directions[0].mu_out;
     const std::size_t count = wavelengths();
-    first_order_.evaluate(mu_in, mu_out, scratch.cos_azimuth, values, scratch.first_order);
-    for (std::size_t w = 0; w < count; ++w) {
+    if (first_order_)
+        first_order_->evaluate(mu_in, mu_out, scratch.cos_azimuth, values, scratch.first_order);
+    else
+        std::fill(values.begin(), values.end(), 0.0);
+    for (std::size_t w = 0; w < count && !is_empty(); ++w) {
         const SolvedWavelength& at = wavelengths_[w];
         const double transmitted = at.transmitted(mu_in, mu_out) / std::numbers::pi;
         for (std::size_t d = 0; d < directions.size(); ++d) {

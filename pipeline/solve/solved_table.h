@@ -36,6 +36,7 @@ class SolvedWavelength {
 
     /// The surface's transmission included.
     const SmoothPart& smooth() const { return smooth_; }
+    void add_smooth(const SmoothPart& part) { smooth_.add(part, 1.0); }
     /// The layers without the surface; there are no media for the surface alone.
     const rte::ScaledStack& stack() const { return stack_; }
     bool is_polarised() const { return is_polarised_; }
@@ -83,6 +84,9 @@ class SharpPart {
 
     /// @param wavelengths  at most kMostWavelengths; must outlive this
     SharpPart(std::span<const SolvedWavelength> wavelengths, const SolverOptions& solver);
+    /// The same of wavelengths whose smooth parts may hold the first order already.
+    SharpPart(const SharpPart& exact, std::span<const SolvedWavelength> wavelengths,
+              bool first_order_is_smooth);
 
     std::size_t wavelengths() const { return wavelengths_.size(); }
     const SolvedWavelength& wavelength(std::size_t w) const { return wavelengths_[w]; }
@@ -90,11 +94,14 @@ class SharpPart {
     /// BRDF at directions that share their cosines (set_cosines): values[d * wavelengths() + w].
     void evaluate(std::span<const Direction> directions, std::span<double> values,
                   EvaluationScratch& scratch) const;
-    const rte::SpectralFirstOrder& first_order() const { return first_order_; }
+    const rte::SpectralFirstOrder& first_order() const { return *first_order_; }
+    /// Every value is 0.
+    bool is_empty() const { return !first_order_ && !has_lobe_; }
 
   private:
     std::span<const SolvedWavelength> wavelengths_;
-    rte::SpectralFirstOrder first_order_;
+    std::optional<rte::SpectralFirstOrder> first_order_;  ///< none: in the smooth part
+    bool has_lobe_;
 };
 
 /// Sets scratch.cos_azimuth, which the following two need, for directions that share their cosines.
@@ -121,6 +128,8 @@ class SmoothSum {
 struct SolvedTable {
     SolvedTable(const ResolvedScene& scene, const std::string& title, const SolverOptions& solver,
                 const TableOptions& options, const Control& control);
+    /// What `for_many_directions` makes.
+    SolvedTable(const BrdfTable& exact, const Control& control);
     SolvedTable(const SolvedTable&) = delete;
 
     ResolvedScene scene;
@@ -132,6 +141,17 @@ struct SolvedTable {
     std::vector<SharpPart> sharp;  ///< of the wavelengths in their order, some at a time
     int components = 1;            ///< of the Mueller matrices that are known; 1: none
     ResultReport report;
+    /// Of a table for many directions: the one that it was made from.
+    std::optional<BrdfTable> exact;
 };
+
+/// The same table for those who ask a million directions: light scattered once is in the azimuthal
+/// series too, wherever these hold it within a tenth of the tolerance (of the largest value at an
+/// incidence, measured between the nodes at mu_in > 0.001), so that a direction costs one sum of a
+/// series in place of angles, phase functions and Fresnel's equations at each wavelength. Rainbows,
+/// glories and thin layers seen at grazing angles stay exact. Mueller matrices are those of
+/// `exact`.
+/// @throws Cancelled
+BrdfTable for_many_directions(const BrdfTable& exact, const Control& control);
 
 }  // namespace miebrdf

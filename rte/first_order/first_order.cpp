@@ -72,20 +72,24 @@ Eigen::Matrix4d FirstOrder::matrix(double mu_in, double mu_out, double azimuth_d
                             forward);
 }
 
-void FirstOrder::find_polarised_ratio(double mu_in, double mu_out,
-                                      std::span<const double> cos_azimuth,
-                                      std::span<double> ratio) const {
+void FirstOrder::find_polarised_ratio(
+    double mu_in, double mu_out, std::span<const double> cos_azimuth, std::span<double> ratio,
+    const std::function<ScatteringMatrix(std::size_t medium, double cos_angle)>& matrix_at) const {
     const std::vector<PolarisedWays> ways = polarised_ways(*this, mu_in, mu_out);
     const std::vector<PhaseWeights> of_phase = weights(mu_in, mu_out);
-    std::vector<ScatteringMatrix> back, forward;
     for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
         const double cosine = std::clamp(cos_azimuth[a], -1.0, 1.0);
-        const double polarised =
-            scattered_matrix(*this, ways, cosine, std::acos(cosine) * (180.0 / std::numbers::pi),
-                             back, forward)(0, 0);
-        double unpolarised = 0.0;
-        for (std::size_t k = 0; k < of_phase.size(); ++k)
-            unpolarised += of_phase[k].back * back[k].a1 + of_phase[k].forward * forward[k].a1;
+        const double half_cosine = std::sqrt(0.5 * (1.0 + cosine));
+        const double half_sine = std::sqrt(0.5 * (1.0 - cosine));
+        double polarised = 0.0, unpolarised = 0.0;
+        for (std::size_t k = 0; k < of_phase.size(); ++k) {
+            const ScatteringAngles angles(ways[k].mu_in, ways[k].mu_out);
+            const ScatteringMatrix back = matrix_at(k, angles.back(cosine));
+            ScatteringMatrix forward;
+            if (ways[k].forward > 0.0) forward = matrix_at(k, angles.forward(cosine));
+            polarised += ways[k].intensity(back, forward, half_cosine, half_sine);
+            unpolarised += of_phase[k].back * back.a1 + of_phase[k].forward * forward.a1;
+        }
         ratio[a] = unpolarised > 0.0 ? polarised / unpolarised : 1.0;
     }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -93,8 +94,12 @@ class FirstOrder {
     double reflection(double mu_in, double mu_out, double cos_azimuth) const;
     /// Element 11 of the Mueller matrix over `reflection`, which knows no polarisation by
     /// boundaries and mirrors: ratio[a]; 1 where nothing is reflected.
-    void find_polarised_ratio(double mu_in, double mu_out, std::span<const double> cos_azimuth,
-                              std::span<double> ratio) const;
+    /// @param matrix_at  the scattering matrix of a medium at the cosine of an angle; of a1, a2, a3
+    ///                   and b1 alone
+    void find_polarised_ratio(
+        double mu_in, double mu_out, std::span<const double> cos_azimuth, std::span<double> ratio,
+        const std::function<ScatteringMatrix(std::size_t medium, double cos_angle)>& matrix_at)
+        const;
     /// The Mueller matrix between the meridian planes.
     Eigen::Matrix4d matrix(double mu_in, double mu_out, double azimuth_deg) const;
 

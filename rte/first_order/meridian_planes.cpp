@@ -21,64 +21,86 @@ Eigen::Matrix4d turn(double x, double y) {
     return result;
 }
 
-// F from the plane of scattering to those of which the other ray has the components (x, y).
-Eigen::Matrix4d turned_from_plane(const ScatteringMatrix& matrix, double x_in, double y_in,
-                                  double x_out, double y_out) {
+// The other ray along the two axes of a ray's meridian plane, times sin Theta.
+struct OtherRay {
+    double x_in, y_in, x_out, y_out;
+};
+
+constexpr double kStraight = 1e-28;  // squared sine below which any plane of scattering will do
+
+// @param c, s  cosine and sine of half the azimuth
+OtherRay ray_back(double mu_in, double mu_out, double c, double s) {
+    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
+    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
+    const double sine_azimuth = 2.0 * s * c;
+    // Near backscattering both components are small: mu_in sine_out - mu_out sine_in is written
+    // without cancellation, and cos(azimuth) = 2 c^2 - 1.
+    const double sum = mu_in * sine_out + mu_out * sine_in;
+    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
+    const OtherRay ray{skew - 2.0 * mu_in * sine_out * c * c, sine_out * sine_azimuth,
+                       -skew - 2.0 * mu_out * sine_in * c * c, sine_in * sine_azimuth};
+    if (ray.x_in * ray.x_in + ray.y_in * ray.y_in >= kStraight) return ray;
+    const double cos_azimuth = 2.0 * c * c - 1.0;  // straight back
+    return {1.0, 0.0, mu_in * mu_out * cos_azimuth - sine_in * sine_out, -mu_in * sine_azimuth};
+}
+
+OtherRay ray_forward(double mu_in, double mu_out, double c, double s) {
+    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
+    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
+    const double sine_azimuth = 2.0 * s * c;
+    // The components are those of ray_back with both rays on one side: cos(azimuth) = 1 - 2 s^2.
+    const double sum = mu_in * sine_out + mu_out * sine_in;
+    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
+    const OtherRay ray{-skew + 2.0 * mu_in * sine_out * s * s, sine_out * sine_azimuth,
+                       skew + 2.0 * mu_out * sine_in * s * s, -sine_in * sine_azimuth};
+    if (ray.x_in * ray.x_in + ray.y_in * ray.y_in >= kStraight) return ray;
+    return {1.0, 0.0, mu_in * mu_out * (1.0 - 2.0 * s * s) + sine_in * sine_out,  // straight on
+            mu_in * sine_azimuth};
+}
+
+// F from the plane of scattering to the meridian planes.
+Eigen::Matrix4d turned_from_plane(const ScatteringMatrix& matrix, const OtherRay& other) {
     Eigen::Matrix4d F = Eigen::Matrix4d::Zero();
     F(0, 0) = matrix.a1, F(1, 1) = matrix.a2, F(2, 2) = matrix.a3, F(3, 3) = matrix.a4;
     F(0, 1) = F(1, 0) = matrix.b1;
     F(2, 3) = matrix.b2, F(3, 2) = -matrix.b2;
-    return turn(x_out, -y_out) * F * turn(x_in, y_in);
+    return turn(other.x_out, -other.y_out) * F * turn(other.x_in, other.y_in);
 }
 
-constexpr double kStraight = 1e-28;  // squared sine below which any plane of scattering will do
+// The upper left of turned_from_plane.
+Eigen::Matrix2d intensity_from_plane(const ScatteringMatrix& F, const OtherRay& other) {
+    const auto& [x_in, y_in, x_out, y_out] = other;
+    const double in = 1.0 / (x_in * x_in + y_in * y_in);
+    const double out = 1.0 / (x_out * x_out + y_out * y_out);
+    const double c_in = (x_in - y_in) * (x_in + y_in) * in, s_in = 2.0 * x_in * y_in * in;
+    const double c_out = (x_out - y_out) * (x_out + y_out) * out, s_out = 2.0 * x_out * y_out * out;
+    Eigen::Matrix2d result;
+    result << F.a1, F.b1 * c_in, F.b1 * c_out, F.a2 * c_out * c_in + F.a3 * s_out * s_in;
+    return result;
+}
 
 }  // namespace
 
 Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in, double mu_out,
                                     double azimuth_deg) {
-    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
-    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
     const double half = 0.5 * azimuth_deg * (std::numbers::pi / 180.0);
-    const double c = std::cos(half), sine_azimuth = 2.0 * std::sin(half) * c;
-    // The other ray along the two axes of a ray's meridian plane, times sin Theta. Near
-    // backscattering both components are small: mu_in sine_out - mu_out sine_in is written without
-    // cancellation, and cos(azimuth) = 2 c^2 - 1.
-    const double sum = mu_in * sine_out + mu_out * sine_in;
-    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
-    double x_in = skew - 2.0 * mu_in * sine_out * c * c;
-    double y_in = sine_out * sine_azimuth;
-    double x_out = -skew - 2.0 * mu_out * sine_in * c * c;
-    double y_out = sine_in * sine_azimuth;
-    if (x_in * x_in + y_in * y_in < kStraight) {  // straight back
-        x_in = 1.0, y_in = 0.0;
-        const double cos_azimuth = 2.0 * c * c - 1.0;
-        x_out = mu_in * mu_out * cos_azimuth - sine_in * sine_out;
-        y_out = -mu_in * sine_azimuth;
-    }
-    return turned_from_plane(matrix, x_in, y_in, x_out, y_out);
+    return turned_from_plane(matrix, ray_back(mu_in, mu_out, std::cos(half), std::sin(half)));
 }
 
 Eigen::Matrix4d turned_forward(const ScatteringMatrix& matrix, double mu_in, double mu_out,
                                double azimuth_deg) {
-    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
-    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
     const double half = 0.5 * azimuth_deg * (std::numbers::pi / 180.0);
-    const double s = std::sin(half), sine_azimuth = 2.0 * s * std::cos(half);
-    // The components are those of turned_to_meridians with both rays on one side:
-    // cos(azimuth) = 1 - 2 s^2.
-    const double sum = mu_in * sine_out + mu_out * sine_in;
-    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
-    double x_in = -skew + 2.0 * mu_in * sine_out * s * s;
-    double y_in = sine_out * sine_azimuth;
-    double x_out = skew + 2.0 * mu_out * sine_in * s * s;
-    double y_out = -sine_in * sine_azimuth;
-    if (x_in * x_in + y_in * y_in < kStraight) {  // straight on
-        x_in = 1.0, y_in = 0.0;
-        x_out = mu_in * mu_out * (1.0 - 2.0 * s * s) + sine_in * sine_out;
-        y_out = mu_in * sine_azimuth;
-    }
-    return turned_from_plane(matrix, x_in, y_in, x_out, y_out);
+    return turned_from_plane(matrix, ray_forward(mu_in, mu_out, std::cos(half), std::sin(half)));
+}
+
+Eigen::Matrix2d turned_intensity(const ScatteringMatrix& matrix, double mu_in, double mu_out,
+                                 double half_cosine, double half_sine) {
+    return intensity_from_plane(matrix, ray_back(mu_in, mu_out, half_cosine, half_sine));
+}
+
+Eigen::Matrix2d turned_forward_intensity(const ScatteringMatrix& matrix, double mu_in,
+                                         double mu_out, double half_cosine, double half_sine) {
+    return intensity_from_plane(matrix, ray_forward(mu_in, mu_out, half_cosine, half_sine));
 }
 
 Optics as_seen_by_equations(const ScaledMedium& medium) {

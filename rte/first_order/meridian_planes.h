@@ -18,6 +18,13 @@ Eigen::Matrix4d turned_to_meridians(const ScatteringMatrix& matrix, double mu_in
 Eigen::Matrix4d turned_forward(const ScatteringMatrix& matrix, double mu_in, double mu_out,
                                double azimuth_deg);
 
+/// The elements of intensity and Q of both, upper left 2 x 2.
+/// @param half_cosine, half_sine  of half the azimuth
+Eigen::Matrix2d turned_intensity(const ScatteringMatrix& matrix, double mu_in, double mu_out,
+                                 double half_cosine, double half_sine);
+Eigen::Matrix2d turned_forward_intensity(const ScatteringMatrix& matrix, double mu_in,
+                                         double mu_out, double half_cosine, double half_sine);
+
 /// The medium that the discrete equations see, as one whose coefficients are all of it.
 Optics as_seen_by_equations(const ScaledMedium& medium);
 

@@ -6,6 +6,7 @@
 
 #include "rte/grid/refraction_grid.h"
 #include "rte/math/tolerance_budget.h"
+#include "rte/phase/polarisation.h"
 
 namespace miebrdf::rte {
 namespace {
@@ -64,10 +65,41 @@ SpectralFirstOrder::Group::Group(std::span<const Known> wavelengths, bool exact,
         phases.emplace(phases_at, narrowest,
                        math::AngleTolerance{.relative = kPhaseTableShare * tolerance});
     }
+    const Known& one = wavelengths.front();
+    const bool polarises = one.is_polarised && bends(one.first_order.stack());
+    if (polarises && layers > 0) {
+        const auto shares_at = [&](const Eigen::VectorXd& angles) {
+            Eigen::MatrixXd values = Eigen::MatrixXd::Zero(angles.size(), Eigen::Index(3 * layers));
+            for (std::size_t layer = 0; layer < layers; ++layer) {
+                for (Eigen::Index a = 0; a < angles.size(); ++a) {
+                    const ScatteringMatrix F = exact_matrix(*seen[layer], std::cos(angles[a]));
+                    if (F.a1 > 0.0)
+                        values.block<1, 3>(a, Eigen::Index(3 * layer)) =
+                            Eigen::RowVector3d(F.a2, F.a3, F.b1) / F.a1;
+                }
+            }
+            return values;
+        };
+        shares.emplace(shares_at, narrowest,
+                       math::AngleTolerance{.absolute = kPhaseTableShare * tolerance});
+    }
     if (exact) {
         narrow = GloryCorrection(stacks, kLeastCosine, kGloryShare * tolerance);
         narrow.tabulate();
     }
+}
+
+ScatteringMatrix SpectralFirstOrder::Group::matrix_at(std::size_t medium, double cos_angle,
+                                                      Scratch& scratch) const {
+    const double angle = std::acos(cos_angle);
+    const Eigen::Index layers = depth.cols(), layer = layers - 1 - Eigen::Index(medium);
+    scratch.phases.resize(layers);
+    scratch.shares.resize(3 * layers);
+    phases->evaluate(angle, scratch.phases);
+    shares->evaluate(angle, scratch.shares);
+    const double a1 = scratch.phases[layer];
+    const Eigen::Vector3d share = a1 * scratch.shares.segment<3>(3 * layer);
+    return {.a1 = a1, .a2 = share[0], .a3 = share[1], .b1 = share[2]};
 }
 
 void SpectralFirstOrder::Group::evaluate_straight(double mu_in, double mu_out,
@@ -152,7 +184,7 @@ void SpectralFirstOrder::evaluate_alone(std::size_t w, double mu_in, double mu_o
             reflection[a] = all[a * wavelengths() + w];
         return;
     }
-    const auto& [first_order, is_polarised] = wavelengths_[w];
+    const FirstOrder& first_order = at_wavelength(w);
     const ScaledStack& stack = first_order.stack();
     if (!first_order.is_straight() || (stack.boundary && stack.boundary->is_rough())) {
         groups_[w].evaluate_all_ways(first_order.weights(mu_in, mu_out), cos_azimuth, reflection,
@@ -164,10 +196,13 @@ void SpectralFirstOrder::evaluate_alone(std::size_t w, double mu_in, double mu_o
         const double factor = straight_paths_factor(stack.top_index, mu_in, mu_out);
         for (double& value : reflection) value *= factor;
     }
-    if (!is_polarised || !bends(stack)) return;
+    if (!groups_[w].shares || (stack.boundary && stack.boundary->is_rough())) return;
     // Boundaries and mirrors polarise, which changes how much is scattered and leaves.
     std::vector<double> ratio(cos_azimuth.size());
-    first_order.find_polarised_ratio(mu_in, mu_out, cos_azimuth, ratio);
+    first_order.find_polarised_ratio(mu_in, mu_out, cos_azimuth, ratio,
+                                     [&](std::size_t medium, double cos_angle) {
+                                         return groups_[w].matrix_at(medium, cos_angle, scratch);
+                                     });
     for (std::size_t a = 0; a < ratio.size(); ++a) reflection[a] *= ratio[a];
 }
 

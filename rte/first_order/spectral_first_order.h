@@ -36,7 +36,7 @@ class SpectralFirstOrder {
     struct Scratch {
         Eigen::ArrayXXd weights;  ///< of the phase functions: row = wavelength, column = medium
         Eigen::ArrayXd sums;
-        Eigen::VectorXd phases;
+        Eigen::VectorXd phases, shares;
         std::vector<double> angles;  ///< of scattering
         std::vector<double> own;     ///< of one wavelength
         GloryCorrection::Scratch narrow;
@@ -68,8 +68,12 @@ class SpectralFirstOrder {
         Eigen::ArrayXXd depth;     ///< tau' of wavelength (row) and medium from the top down
         Eigen::ArrayXXd strength;  ///< alpha / (1 - alpha f), likewise
         std::optional<math::AngleTable> phases;  ///< P: function medium * wavelengths + wavelength
+        /// a2 / P, a3 / P and b1 / P of each medium from the top down, where boundaries and mirrors
+        /// polarise the light of one wavelength.
+        std::optional<math::AngleTable> shares;
         GloryCorrection narrow;
 
+        ScatteringMatrix matrix_at(std::size_t medium, double cos_angle, Scratch& scratch) const;
         void evaluate_straight(double mu_in, double mu_out, std::span<const double> cos_azimuth,
                                std::span<double> reflection, Scratch& scratch) const;
         void evaluate_all_ways(const std::vector<PhaseWeights>& weights,

@@ -46,6 +46,23 @@ Eigen::Matrix4d PolarisedWays::matrix(const ScatteringMatrix& F, const Scatterin
     return sum;
 }
 
+double PolarisedWays::intensity(const ScatteringMatrix& F, const ScatteringMatrix& F_forward,
+                                double half_cosine, double half_sine) const {
+    // Boundaries and mirrors do not mix I and Q with U and V.
+    const auto between = [](const Eigen::Matrix4d& out, const Eigen::Matrix2d& M,
+                            const Eigen::Matrix4d& in) {
+        return out(0, 0) * (M(0, 0) * in(0, 0) + M(0, 1) * in(1, 0)) +
+               out(0, 1) * (M(1, 0) * in(0, 0) + M(1, 1) * in(1, 0));
+    };
+    const Eigen::Matrix2d turned = turned_intensity(F, mu_in, mu_out, half_cosine, half_sine);
+    const double sum = back * between(out_down, turned, in_down);
+    if (!(forward > 0.0)) return sum;
+    const Eigen::Matrix2d on =
+        turned_forward_intensity(F_forward, mu_in, mu_out, half_cosine, half_sine);
+    return sum + back * between(out_up, turned, in_up) +
+           forward * (between(out_up, on, in_down) + between(out_down, on, in_up));
+}
+
 std::vector<PolarisedWays> polarised_ways(const FirstOrder& first_order, double mu_in,
                                           double mu_out) {
     const ScaledStack& stack = first_order.stack();

@@ -27,6 +27,9 @@ struct PolarisedWays {
     /// @param F  of light that turns back, and of light that goes on
     Eigen::Matrix4d matrix(const ScatteringMatrix& F, const ScatteringMatrix& F_forward,
                            double azimuth_deg) const;
+    /// Its element 11, of half the azimuth.
+    double intensity(const ScatteringMatrix& F, const ScatteringMatrix& F_forward,
+                     double half_cosine, double half_sine) const;
 };
 
 /// In all media, from the bottom up.

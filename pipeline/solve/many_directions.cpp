@@ -1,0 +1,184 @@
+// A solved table for a million directions: light scattered once joins the azimuthal series.
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/solve/parallel.h"
+#include "pipeline/solve/solved_table.h"
+
+namespace miebrdf {
+namespace {
+
+/// Of the tolerance: what the series may lose, over the largest value at an incidence.
+constexpr double kSeriesShare = 0.1;
+/// Intervals of half a turn to try; the first three quarters of as many orders are kept.
+constexpr std::array<int, 3> kIntervals = {32, 64, 128};
+constexpr int orders_of(int intervals) { return 3 * intervals / 4; }
+
+/// Orders from samples at azimuths 180 j / n degrees: column = order, row = sample.
+Eigen::MatrixXd analysis(int n) {
+    Eigen::MatrixXd result(n + 1, orders_of(n));
+    for (int j = 0; j <= n; ++j) {
+        for (int m = 0; m < orders_of(n); ++m) {
+            result(j, m) = (m == 0 ? 1.0 : 2.0) / n * (j == 0 || j == n ? 0.5 : 1.0) *
+                           std::cos(std::numbers::pi * ((m * j) % (2 * n)) / n);
+        }
+    }
+    return result;
+}
+
+std::vector<double> cosines_of_azimuths(int n) {
+    std::vector<double> list;
+    list.reserve(std::size_t(n) + 1);
+    for (int j = 0; j <= n; ++j) list.push_back(std::cos(std::numbers::pi * j / n));
+    return list;
+}
+
+/// R of light scattered once, before the surface: row = wavelength, column = azimuth.
+Eigen::MatrixXd scattered_once(const SharpPart& part, double mu_in, double mu_out,
+                               std::span<const double> cos_azimuth,
+                               rte::SpectralFirstOrder::Scratch& scratch) {
+    Eigen::MatrixXd values(Eigen::Index(part.wavelengths()), Eigen::Index(cos_azimuth.size()));
+    part.first_order().evaluate(mu_in, mu_out, cos_azimuth,
+                                {values.data(), std::size_t(values.size())}, scratch);
+    return values;
+}
+
+/// The fewest intervals of kIntervals whose orders hold the azimuths; 0: none do.
+int intervals_for(const SharpPart& part, double tolerance) {
+    constexpr int n = kIntervals.back();
+    const Eigen::MatrixXd to_orders = analysis(n);
+    const std::vector<double> cos_azimuth = cosines_of_azimuths(n);
+    rte::SpectralFirstOrder::Scratch scratch;
+    std::vector<double> smooth;
+    int needed = 0;
+    for (const double mu_in : {1e-3, 0.1, 0.3, 0.6, 0.9}) {
+        for (const double mu_out : {1e-3, 0.1, 0.3, 0.6, 0.9}) {
+            const Eigen::MatrixXd orders =
+                scattered_once(part, mu_in, mu_out, cos_azimuth, scratch) * to_orders;
+            for (Eigen::Index w = 0; w < orders.rows(); ++w) {
+                part.wavelength(std::size_t(w)).smooth().series_at(mu_in, mu_out, smooth);
+                const double allowed =
+                    kSeriesShare * tolerance * (std::abs(orders(w, 0)) + std::abs(smooth[0]));
+                double tail = 0.0;
+                int count = int(orders.cols());
+                while (count > 0 && tail + std::abs(orders(w, count - 1)) <= allowed)
+                    tail += std::abs(orders(w, --count));
+                needed = std::max(needed, count);
+            }
+        }
+    }
+    for (const int intervals : kIntervals) {
+        if (needed < orders_of(intervals)) return intervals;
+    }
+    return 0;
+}
+
+/// Light scattered once as the surface lets it through, at the nodes.
+std::vector<SmoothPart> series_of(const SharpPart& part, int n, const Control& control) {
+    const std::vector<double>& nodes = SmoothPart::nodes();
+    const std::size_t orders = std::size_t(orders_of(n)), count = nodes.size();
+    const Eigen::MatrixXd to_orders = analysis(n);
+    const std::vector<double> cos_azimuth = cosines_of_azimuths(n);
+    std::vector<std::vector<double>> modes(part.wavelengths());
+    for (auto& of_wavelength : modes) of_wavelength.resize(count * count * orders);
+    run_parallel("light scattered once", count, control, [&](std::size_t i) {
+        rte::SpectralFirstOrder::Scratch scratch;
+        for (std::size_t o = i; o < count; ++o) {  // reciprocal but for the surface
+            const Eigen::MatrixXd series =
+                scattered_once(part, nodes[i], nodes[o], cos_azimuth, scratch) * to_orders *
+                (nodes[i] + nodes[o]);
+            for (std::size_t w = 0; w < modes.size(); ++w) {
+                const SolvedWavelength& at = part.wavelength(w);
+                const double there = at.transmitted(nodes[i], nodes[o]);
+                const double back = at.transmitted(nodes[o], nodes[i]);
+                for (std::size_t m = 0; m < orders; ++m) {
+                    const double a = series(Eigen::Index(w), Eigen::Index(m));
+                    modes[w][(i * count + o) * orders + m] = there * a;
+                    modes[w][(o * count + i) * orders + m] = back * a;
+                }
+            }
+        }
+    });
+    std::vector<SmoothPart> parts;
+    parts.reserve(modes.size());
+    for (const auto& of_wavelength : modes) parts.emplace_back(of_wavelength, orders);
+    return parts;
+}
+
+/// Whether the series are near enough to the exact values halfway between the nodes, where
+/// interpolation is worst, retro-reflection and the horizon among them.
+bool holds(const std::vector<SmoothPart>& series, const SharpPart& part, double tolerance,
+           const Control& control) {
+    constexpr std::size_t kSteps = SmoothPart::kNodes - 1;
+    // Not below mu_in 0.001, where a refracting boundary lets next to nothing in: there the series
+    // were measured to miss 6e-4 (Fe2O3 below a smooth boundary).
+    constexpr std::array<std::size_t, 11> kIncidences = {1, 2, 4, 8, 13, 19, 26, 33, 40, 45, 47};
+    constexpr int kAzimuths = 15;  // no divisor of the samples
+    const std::vector<double> cos_azimuth = cosines_of_azimuths(kAzimuths);
+    const auto halfway = [](std::size_t k) { return half_sine((double(k) + 0.5) / kSteps); };
+    std::array<char, kIncidences.size()> good = {};
+    run_parallel("light scattered once", good.size(), control, [&](std::size_t i) {
+        rte::SpectralFirstOrder::Scratch scratch;
+        Eigen::ArrayXd error = Eigen::ArrayXd::Zero(Eigen::Index(series.size())), largest = error;
+        std::vector<double> of_series, smooth;
+        const double mu_in = halfway(kIncidences[i]);
+        for (std::size_t o = 0; o < kSteps; ++o) {
+            const double mu_out = halfway(o);
+            const Eigen::MatrixXd once = scattered_once(part, mu_in, mu_out, cos_azimuth, scratch);
+            for (std::size_t w = 0; w < series.size(); ++w) {
+                const SolvedWavelength& at = part.wavelength(w);
+                const double surface = at.transmitted(mu_in, mu_out);
+                series[w].series_at(mu_in, mu_out, of_series);
+                at.smooth().series_at(mu_in, mu_out, smooth);
+                const auto row = Eigen::Index(w);
+                for (std::size_t a = 0; a < cos_azimuth.size(); ++a) {
+                    const double exact = surface * once(row, Eigen::Index(a));
+                    const double missed = math::cosine_sum(of_series, cos_azimuth[a]) - exact;
+                    const double all = exact + math::cosine_sum(smooth, cos_azimuth[a]);
+                    // Not std::max alone, which loses NaN.
+                    if (!(std::abs(missed) <= error[row])) error[row] = std::abs(missed);
+                    largest[row] = std::max(largest[row], std::abs(all));
+                }
+            }
+        }
+        good[i] = char((error <= kSeriesShare * tolerance * largest).all());
+    });
+    return std::all_of(good.begin(), good.end(), [](char one) { return one != 0; });
+}
+
+}  // namespace
+
+SolvedTable::SolvedTable(const BrdfTable& whole, const Control& control)
+    : scene(whole.solved().scene),
+      solver(whole.solved().solver),
+      part(whole.solved().part),
+      channels(whole.solved().channels),
+      provenance(whole.solved().provenance),
+      wavelengths(whole.solved().wavelengths),
+      components(whole.solved().components),
+      report(whole.solved().report),
+      exact(whole) {
+    std::size_t first = 0;
+    sharp.reserve(whole.solved().sharp.size());
+    for (const SharpPart& one : whole.solved().sharp) {
+        const int intervals = intervals_for(one, solver.tolerance);
+        std::vector<SmoothPart> series;
+        if (intervals > 0) series = series_of(one, intervals, control);
+        const bool is_smooth = intervals > 0 && holds(series, one, solver.tolerance, control);
+        for (std::size_t w = 0; is_smooth && w < series.size(); ++w)
+            wavelengths[first + w].add_smooth(series[w]);
+        sharp.emplace_back(one, std::span(wavelengths).subspan(first, one.wavelengths()),
+                           is_smooth);
+        first += one.wavelengths();
+    }
+}
+
+BrdfTable for_many_directions(const BrdfTable& exact, const Control& control) {
+    if (exact.solved().exact || exact.solved().part == BrdfPart::surface) return exact;
+    return BrdfTable(std::make_shared<const SolvedTable>(exact, control));
+}
+
+}  // namespace miebrdf
