@@ -196,7 +196,7 @@ void SpectralFirstOrder::evaluate_alone(std::size_t w, double mu_in, double mu_o
         const double factor = straight_paths_factor(stack.top_index, mu_in, mu_out);
         for (double& value : reflection) value *= factor;
     }
-    if (!groups_[w].shares || (stack.boundary && stack.boundary->is_rough())) return;
+    if (!groups_[w].shares) return;
     // Boundaries and mirrors polarise, which changes how much is scattered and leaves.
     std::vector<double> ratio(cos_azimuth.size());
     first_order.find_polarised_ratio(mu_in, mu_out, cos_azimuth, ratio,

@@ -172,7 +172,9 @@ TEST_CASE("no command replaces a file that it reads", "[program][errors]") {
 
 TEST_CASE("an unknown command is one with --help, too", "[program][errors]") {
     check_refused(kUsage, {{"albeod --help", {"albeod", "albedo"}},
-                           {"materials serch --help", {"serch", "search"}}});
+                           {"materials serch --help", {"serch", "search"}},
+                           {"plan --substrate black --coat isotropic:.9@1", {"plan brdf, albedo"}},
+                           {"plan report --coat isotropic:.9@1", {"--base or --substrate"}}});
     CHECK(support::run_program("materials --help").exit_code == 0);
     CHECK(support::run_program("--help").exit_code == 0);
 }

@@ -68,7 +68,7 @@ void add_plans(Table& table, const AlbedoQuestion& question, const Control& cont
 struct TableArguments {
     SceneArguments scene;
     void add_to(CLI::App& command, Shell& shell) {
-        scene.add_to(command, shell, SceneArguments::Base::optional, "400:700:10");
+        scene.add_to(command, shell, SceneArguments::Base::required, "400:700:10");
     }
     Request parse() const { return scene.parse(); }
 };

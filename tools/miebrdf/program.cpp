@@ -133,6 +133,9 @@ std::optional<std::string> unknown_in(const CLI::App& command) {
     const auto other = std::find_if_not(words.begin(), words.end(), is_option);
     // The options of a mistyped command are unknown here for that alone.
     const bool is_command = !command_names(command).empty() && typed_subcommand(command) == nullptr;
+    if (is_command && option == words.begin() && other != words.end())
+        return fmt::format("{} stands before a command; write the command first: {} {}", *option,
+                           command.get_name(), fmt::join(command_names(command), ", "));
     if (other != words.end() && (is_command || option == words.end()))
         return unknown_word(*other, command);
     if (option != words.end()) return unknown_option(*option, command);
