@@ -64,6 +64,11 @@ double delta_e_76(const Lab& a, const Lab& b) {
 }
 
 double delta_e_2000(const Lab& first, const Lab& second) {
+    const auto [l, c, h] = delta_e_2000_parts(first, second);
+    return std::hypot(l, c, h);
+}
+
+std::array<double, 3> delta_e_2000_parts(const Lab& first, const Lab& second) {
     // Symbols of Sharma, Wu & Dalal (2005), eq. 2 to 22.
     const double c_mean = 0.5 * (std::hypot(first.a, first.b) + std::hypot(second.a, second.b));
     const auto seventh = [](double c) {
@@ -98,7 +103,8 @@ double delta_e_2000(const Lab& first, const Lab& second) {
     const double turn = (h - 275.0) / 25.0;
     const double rotation = -std::sin(60.0 * std::exp(-turn * turn) * kDegree) * 2.0 * seventh(c);
     const double x = dl / s_l, y = dc / s_c, z = dh_chord / s_h;
-    return std::sqrt(x * x + y * y + z * z + rotation * y * z);
+    // y^2 + z^2 + rotation y z as a sum of squares; |rotation| <= 2 sin 60 degrees < 2.
+    return {x, y + 0.5 * rotation * z, z * std::sqrt(1.0 - 0.25 * rotation * rotation)};
 }
 
 }  // namespace miebrdf

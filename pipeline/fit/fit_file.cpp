@@ -1,12 +1,15 @@
-// Fit files: [scene], [unknowns], [fit] and a [[measured]] for each data set.
+// Fit files: [scene], [unknowns], [fit] and a [[measured]] for each data set; files of recipes,
+// which have a [[target]] in its place.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <miebrdf/match.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
 
+#include "pipeline/fit/match_problem.h"
 #include "pipeline/fit/measured_values.h"
 #include "pipeline/fit/problem.h"
 #include "pipeline/scene/number_list.h"
@@ -15,7 +18,7 @@
 namespace miebrdf {
 namespace {
 
-constexpr char kKind[] = "fit file";
+constexpr char kKind[] = "fit file", kMatchKind[] = "match file";
 const std::vector<std::string> kMeasuredKeys = {"file",
                                                 "column",
                                                 "quantity",
@@ -42,21 +45,13 @@ const std::vector<std::string> kMeasuredKeys = {"file",
 
 class FitFile : TomlFile {
   public:
-    FitFile(const std::string& text, std::string folder, const std::string& name)
-        : TomlFile(kKind, name, text), folder_(std::move(folder)) {}
+    FitFile(const std::string& text, std::string folder, const std::string& name,
+            const char* kind = kKind)
+        : TomlFile(kind, name, text), folder_(std::move(folder)) {}
 
     FitProblem read() {
         check_keys(root(), {"title", "scene", "unknowns", "derived", "measured", "fit"}, "key");
-        problem_.scene = scene_of(table_of("scene", "whose keys are the words of a scene file"));
-        for (const auto& [name, node] :
-             in_order(table_of("unknowns", "radius = \"100 in 20:1000 log\" for {radius}"))) {
-            const auto text = node->value_exact<std::string>();
-            if (!text)
-                refuse(*node, fmt::format("unknown '{}' is a text, \"START in LOW:HIGH\"; a number "
-                                          "that is known stands in [scene] itself",
-                                          name));
-            at(*node, [&, &key = name] { problem_.unknowns.push_back(unknown(key, *text)); });
-        }
+        read_unknowns();
         if (root().get("derived") != nullptr) {
             const std::string form = "mus = \"a*(wavelength_nm/500)^-b\" for {mus}";
             for (const auto& [name, node] : in_order(table_of("derived", form))) {
@@ -80,7 +75,110 @@ class FitFile : TomlFile {
         return std::move(problem_);
     }
 
+    /// @throws UsageError, InputError  as read()
+    MatchProblem read_match() {
+        check_keys(root(), {"title", "scene", "unknowns", "target", "cost", "batch", "limits"},
+                   "key");
+        read_unknowns();
+        MatchProblem match{.scene = problem_.scene, .unknowns = problem_.unknowns};
+        const auto numbers_in = [&](const std::string& key, const std::vector<std::string>& known,
+                                    const auto& use) {
+            const toml::node* node = root().get(key);
+            if (node == nullptr) return;
+            const toml::table& table = table_of(key, "");
+            check_keys(table, known, "key");
+            for (const auto& [name, one] : in_order(table)) {
+                const double number = number_of(*one, name);
+                if (!(number >= 0.0 && std::isfinite(number)))
+                    refuse(*one, fmt::format("'{}' is {}; allowed: >= 0", name, number));
+                use(name, number);
+            }
+        };
+        std::vector<std::string> names;
+        for (const Unknown& unknown : match.unknowns) names.push_back(unknown.name);
+        numbers_in("cost", names, [&](const std::string& name, double number) {
+            match.cost_per_kg.emplace_back(name, number);
+        });
+        numbers_in("batch", {"grams"},
+                   [&](const std::string&, double number) { match.batch_grams = number; });
+        numbers_in("limits", {"total_volume", "thickness_um"},
+                   [&](const std::string& name, double number) {
+                       (name == "total_volume" ? match.most_volume : match.most_thickness_um) =
+                           number;
+                   });
+        const toml::node* sets = root().get("target");
+        if (sets == nullptr || !sets->is_array_of_tables())
+            throw InputError(fmt::format(
+                "{} '{}' has no [[target]]; add one with lab = [60, 25, 20] and light = \"d65,10\"",
+                kMatchKind, path()));
+        for (const toml::node& set : *sets->as_array())
+            match.targets.push_back(target_of(*set.as_table(), match.targets.size() + 1));
+        at(*root().get("unknowns"), [&] { fitting::check_match(match); });
+        return match;
+    }
+
   private:
+    void read_unknowns() {
+        problem_.scene = scene_of(table_of("scene", "whose keys are the words of a scene file"));
+        for (const auto& [name, node] :
+             in_order(table_of("unknowns", "radius = \"100 in 20:1000 log\" for {radius}"))) {
+            const auto text = node->value_exact<std::string>();
+            if (!text)
+                refuse(*node, fmt::format("unknown '{}' is a text, \"START in LOW:HIGH\"; a number "
+                                          "that is known stands in [scene] itself",
+                                          name));
+            at(*node, [&, &key = name] { problem_.unknowns.push_back(unknown(key, *text)); });
+        }
+    }
+
+    MatchTarget target_of(const toml::table& set, std::size_t number) const {
+        check_keys(set,
+                   {"name", "lab", "file", "column", "quantity", "percent", "light", "mu_in",
+                    "mu_out", "azimuth", "theta_in", "theta_out", "azimuth_zero", "scene"},
+                   "key");
+        fitting::MeasuredWords words = measured_words(set);
+        MatchTarget target{.name = text_of(set, "name"), .options = words.options};
+        if (target.name.empty()) target.name = fmt::format("target {}", number);
+        target.scene = own_scene(set);
+        std::vector<std::string> lights;
+        if (const toml::node* light = set.get("light"); light != nullptr && light->is_array()) {
+            for (const toml::node& one : *light->as_array())
+                lights.push_back(one.value_or(std::string()));
+        } else {
+            lights.push_back(text_of(set, "light"));
+        }
+        const std::vector<double> lab = numbers_of_key(set, "lab");
+        if (words.file.empty() == lab.empty())
+            refuse(set,
+                   "a [[target]] has lab = [60, 25, 20] or file = \"colour.csv\", one of them");
+        at(set, [&] {
+            FitData data{.name = target.name};
+            if (words.file.empty()) {
+                words.values = lab;
+                words.options.quantity = "lab";
+            }
+            fitting::read_values(words, data);
+            fitting::check_data(data);
+            for (const std::string& light : lights)
+                target.colours.push_back(
+                    {light.empty() ? "d65" : light,
+                     fitting::colour_of(data, viewing(light.empty() ? "d65" : light))});
+            const MeasuredValue& first = data.values.front();
+            if (first.quantity >= MeasuredQuantity::lab_l && target.colours.size() > 1)
+                throw UsageError(
+                    "a Lab is seen in one light; give each light a [[target]] of its own");
+            fitting::set_geometry(target.options, first);
+        });
+        return target;
+    }
+
+    std::vector<SceneText> own_scene(const toml::table& set) const {
+        const toml::node* own = set.get("scene");
+        if (own == nullptr) return {};
+        if (!own->is_table()) refuse(*own, "'scene' is { word = \"value\" }");
+        return scene_of(*own->as_table());
+    }
+
     std::string text_of_value(const toml::node& node) const {
         if (const auto flag = node.value_exact<bool>()) return *flag ? "true" : "false";
         if (const auto text = node.value_exact<std::string>()) {
@@ -180,8 +278,8 @@ class FitFile : TomlFile {
         return theta ? std::cos(*theta * std::numbers::pi / 180.0) : mu;
     }
 
-    void read_measured(const toml::table& set) {
-        check_keys(set, kMeasuredKeys, "key");
+    /// What a [[measured]] and a [[target]] say alike.
+    fitting::MeasuredWords measured_words(const toml::table& set) const {
         fitting::MeasuredWords words;
         MeasuredOptions& options = words.options;
         options.quantity = text_of(set, "quantity");
@@ -190,12 +288,21 @@ class FitFile : TomlFile {
         options.mu_in = cosine_of(set, "in");
         options.mu_out = cosine_of(set, "out");
         options.azimuth_deg = number_of_key(set, "azimuth");
-        options.sigma = number_of_key(set, "sigma");
-        options.relative_sigma = number_of_key(set, "relative_sigma");
         if (const toml::node* percent = set.get("percent")) {
             options.percent = percent->value_exact<bool>();
             if (!options.percent) refuse(*percent, "'percent' is true or false");
         }
+        if (const std::string file = text_of(set, "file"); !file.empty())
+            words.file = (std::filesystem::path(folder_) / file).string();
+        return words;
+    }
+
+    void read_measured(const toml::table& set) {
+        check_keys(set, kMeasuredKeys, "key");
+        fitting::MeasuredWords words = measured_words(set);
+        MeasuredOptions& options = words.options;
+        options.sigma = number_of_key(set, "sigma");
+        options.relative_sigma = number_of_key(set, "relative_sigma");
         words.wavelength_nm = numbers_of_key(set, "wavelength_nm");
         words.values = numbers_of_key(set, "values");
         if (words.values.empty() && words.wavelength_nm.size() == 1)
@@ -207,7 +314,6 @@ class FitFile : TomlFile {
             refuse(set,
                    "a [[measured]] has file = \"measured.csv\" or values = "
                    "[...], one of them");
-        if (!file.empty()) words.file = (std::filesystem::path(folder_) / file).string();
         FitData data;
         data.name = text_of(set, "name");
         if (data.name.empty()) {
@@ -236,10 +342,7 @@ class FitFile : TomlFile {
         }
         data.band_width_nm = number_of_key(set, "band_width").value_or(0.0);
         data.correlation_length_nm = number_of_key(set, "correlation_length").value_or(0.0);
-        if (const toml::node* own = set.get("scene")) {
-            if (!own->is_table()) refuse(*own, "'scene' is { word = \"value\" }");
-            data.scene = scene_of(*own->as_table());
-        }
+        data.scene = own_scene(set);
         at(set, [&] {
             fitting::read_values(words, data);
             fitting::check_data(data);
@@ -252,6 +355,16 @@ class FitFile : TomlFile {
 };
 
 }  // namespace
+
+MatchProblem read_match_text(const std::string& text, const std::string& folder,
+                             const std::string& name) {
+    return FitFile(text, folder, name, kMatchKind).read_match();
+}
+
+MatchProblem read_match_file(const std::string& path) {
+    return read_match_text(read_toml_text(kMatchKind, path),
+                           std::filesystem::path(path).parent_path().string(), path);
+}
 
 FitProblem read_fit_text(const std::string& text, const std::string& folder,
                          const std::string& name) {

@@ -236,7 +236,9 @@ Medium medium(const std::string& text) {
     std::string mixture = text;
     const std::string in = " in ";
     const std::size_t at = text.rfind(in);
-    if (at != std::string::npos && !std::filesystem::exists(text.substr(text.find(':') + 1))) {
+    std::error_code no_name;  // a long mixture cannot be the name of a file
+    if (at != std::string::npos &&
+        !std::filesystem::exists(text.substr(text.find(':') + 1), no_name)) {
         medium.host = host(trimmed_text(text.substr(at + in.size())));
         mixture = text.substr(0, at);
     }

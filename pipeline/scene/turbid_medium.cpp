@@ -173,13 +173,10 @@ void read_paste(const std::string& name, Species& species) {
         std::map<std::string, FileScattering> all = embedded_pastes();
         const auto found = all.find(name);
         if (found == all.end()) {
-            std::vector<std::string> names;
-            names.reserve(all.size());
-            for (const auto& [known, table] : all) names.push_back(known);
             throw InputError(fmt::format(
                 "paste '{}' is not one of the embedded set; allowed: {}; a file has a suffix or a "
                 "slash, e.g. paste:{}.csv",
-                name, fmt::join(names, ", "), name));
+                name, fmt::join(embedded_paste_names(), ", "), name));
         }
         species.scattering = std::move(found->second);
         species.parameters = {0.0, kWeightsAsVolumes};
@@ -202,6 +199,12 @@ Species without_share(Species rest) {
 }
 
 }  // namespace
+
+std::vector<std::string> embedded_paste_names() {
+    std::vector<std::string> names;
+    for (const auto& [name, table] : embedded_pastes()) names.push_back(name);
+    return names;
+}
 
 MediumKind paste() {
     return {.kind = Species::Kind::paste,

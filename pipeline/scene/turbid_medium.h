@@ -13,6 +13,9 @@ namespace miebrdf {
 /// film that the paste fills to this share. Parameters: the asymmetry, and the density or 0.
 MediumKind paste();
 
+/// Names of the embedded set.
+std::vector<std::string> embedded_paste_names();
+
 /// Parameters: mu_a and mu_s (1 - g) in 1/mm, and g, the same at every wavelength.
 MediumKind turbid();
 

@@ -1,5 +1,5 @@
-// Fits: <miebrdf/fit.h>.
-#include <miebrdf/fit.h>
+// Fits and recipes: <miebrdf/fit.h>, <miebrdf/match.h>.
+#include <miebrdf/match.h>
 
 #include <cmath>
 #include <string>
@@ -99,12 +99,54 @@ py::dict run_fit(const std::string& text, const std::string& folder, const std::
     return facts;
 }
 
+std::vector<double> numbers_of(const Lab& lab) { return {lab.l, lab.a, lab.b}; }
+
+py::dict run_match(const std::string& text, const std::string& folder, const std::string& name,
+                   const std::vector<std::string>& measured, const CallOptions& options) {
+    MatchProblem problem = read_match_text(text, folder, name);
+    for (const std::string& file : measured) add_measured(problem, file);
+    LongCall call(options);
+    const MatchResult result = call.run([&] { return match(problem, call.control()); });
+    py::list recipes;
+    for (const Recipe& recipe : result.recipes) {
+        py::list parts, colours;
+        for (const RecipePart& part : recipe.parts)
+            parts.append(py::dict(
+                py::arg("name") = part.name, py::arg("value") = part.value,
+                py::arg("grams") = part.grams, py::arg("weight_share") = part.weight_share,
+                py::arg("volume_share") = part.volume_share,
+                py::arg("delta_e_per_tenth_gram") = part.delta_e_per_tenth_gram,
+                py::arg("cost") = part.cost, py::arg("at_bound") = part.at_bound));
+        for (const RecipeColour& colour : recipe.colours)
+            colours.append(py::dict(py::arg("target") = colour.target,
+                                    py::arg("light") = colour.light,
+                                    py::arg("lab") = numbers_of(colour.lab),
+                                    py::arg("wanted") = numbers_of(colour.wanted),
+                                    py::arg("delta_e_2000") = colour.delta_e_2000));
+        recipes.append(py::dict(py::arg("parts") = parts, py::arg("colours") = colours,
+                                py::arg("delta_e_2000") = recipe.delta_e_2000,
+                                py::arg("delta_e_second") = recipe.delta_e_second,
+                                py::arg("contrast_ratio") = recipe.contrast_ratio,
+                                py::arg("cost") = recipe.cost,
+                                py::arg("left_out") = recipe.left_out,
+                                py::arg("file") = recipe.file));
+    }
+    py::dict facts;
+    facts["recipes"] = recipes;
+    facts["reached"] = result.reached;
+    facts["notes"] = result.notes;
+    facts["solved_scenes"] = result.solved_scenes;
+    return facts;
+}
+
 }  // namespace
 
 void bind_fits(py::module_& module) {
     module.def("has_fit", &has_fit);
     module.def("fit", &run_fit, py::arg("text"), py::arg("folder"), py::arg("name"),
                py::arg("starts"), py::arg("options"));
+    module.def("match", &run_match, py::arg("text"), py::arg("folder"), py::arg("name"),
+               py::arg("measured"), py::arg("options"));
 }
 
 }  // namespace miebrdf::python

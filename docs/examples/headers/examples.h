@@ -15,6 +15,7 @@ void show_fit();
 void show_formats();
 void show_index();
 void show_layer_albedos();
+void show_match();
 void show_measured();
 void show_optics();
 void show_plan();
@@ -27,7 +28,7 @@ void show_table1();
 void show_transfer();
 void show_value_derivatives();
 
-inline constexpr std::array<std::pair<const char*, void (*)()>, 22> kExamples = {{
+inline constexpr std::array<std::pair<const char*, void (*)()>, 23> kExamples = {{
     {"brdf.h", show_brdf},
     {"brdf_source.h", show_brdf_source},
     {"colour.h", show_colour},
@@ -39,6 +40,7 @@ inline constexpr std::array<std::pair<const char*, void (*)()>, 22> kExamples = 
     {"formats.h", show_formats},
     {"index.h", show_index},
     {"layer_albedos.h", show_layer_albedos},
+    {"match.h", show_match},
     {"measured.h", show_measured},
     {"optics.h", show_optics},
     {"plan.h", show_plan},

@@ -127,6 +127,9 @@ double delta_e_76(const Lab& a, const Lab& b);
 /// CIEDE2000 with kL = kC = kH = 1 (ISO/CIE 11664-6), as Sharma, Wu & Dalal, Color Res. Appl. 30,
 /// 21 (2005), spell it out.
 double delta_e_2000(const Lab& a, const Lab& b);
+/// Three differences whose root sum of squares it is, smooth where the colours meet: lightness, and
+/// chroma and hue with their rotation.
+std::array<double, 3> delta_e_2000_parts(const Lab& a, const Lab& b);
 
 /// Seen by an eye adapted to the illuminant (Bradford, to the white of sRGB): a reflectance of 1 is
 /// (1, 1, 1) under each of them.

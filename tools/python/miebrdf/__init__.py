@@ -23,7 +23,7 @@ from ._core import Depth, Layer, Medium, Substrate, processor_path  # noqa: E402
 from ._derivatives import Derivatives  # noqa: E402
 from ._directions import Report  # noqa: E402
 from ._files import BrdfFile, FileCheck, check, export, formats  # noqa: E402
-from ._fit import Fit, fit  # noqa: E402
+from ._fit import Fit, Match, fit, match  # noqa: E402
 from ._layers import (  # noqa: E402
     LayerAlbedos,
     layer_albedos,
@@ -66,6 +66,7 @@ __all__ = [
     "Layer",
     "LayerAlbedos",
     "LookedUp",
+    "Match",
     "Material",
     "MaterialFileError",
     "Materials",
@@ -94,6 +95,7 @@ __all__ = [
     "lambertian",
     "layer_albedos",
     "lookup",
+    "match",
     "materials",
     "media_forms",
     "medium",

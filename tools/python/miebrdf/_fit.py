@@ -7,7 +7,8 @@ import json
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -196,10 +197,6 @@ def _rounded(value: float, error: float) -> str:
     return f"{value:#.{max(digits, 2)}g}"
 
 
-#: What fit files say of a mistake in the text that a dict was made into.
-_PLACE = r"fit file 'problem', line \d+, column \d+: "
-
-
 def fit(
     problem: str | os.PathLike[str] | Mapping[str, Any],
     *,
@@ -243,6 +240,109 @@ def fit(
     ...                   "quantity": "spherical_albedo", "sigma": 0.01}]})
     >>> found["w"], found.standard_error("w")
     """
+    with _placed(problem, folder, "fit file") as (text, where, name), Call(
+        threads, progress
+    ) as options:
+        return Fit(_core.fit(text, where, name, starts, options))
+
+
+class Match:
+    """The recipes for a colour; `miebrdf.match` makes one.
+
+    Attributes
+    ----------
+    recipes : list of dict
+        The best first, then those that do without one component (``left_out``). Each has ``parts``
+        (dicts of ``name``, ``value``, ``grams`` in the batch, or to add, ``weight_share`` and
+        ``volume_share`` in [0, 1], ``delta_e_per_tenth_gram``, ``cost``, ``at_bound``), ``colours``
+        (dicts of ``target``, ``light``, ``lab``, ``wanted``, ``delta_e_2000``), ``delta_e_2000``
+        (largest under the first light), ``delta_e_second`` (largest under any other, or None),
+        ``contrast_ratio``, ``cost`` and ``file``, a match file that begins with this recipe.
+    reached : bool
+        Whether the best recipe has a CIEDE2000 of 1 or less.
+    notes : list of str
+        What limits it; out of reach the nearest colour, and a pigment that is missing.
+    solved_scenes : int
+        How many.
+
+    Examples
+    --------
+    >>> found = miebrdf.match("MATCH.toml")  # doctest: +SKIP
+    >>> found.recipes[0]["parts"][0]["grams"], found.reached  # doctest: +SKIP
+    """
+
+    recipes: list[dict[str, Any]]
+    reached: bool
+    notes: list[str]
+    solved_scenes: int
+
+    def __init__(self, facts: Mapping[str, Any]) -> None:
+        self.__dict__.update(facts)
+
+    def __repr__(self) -> str:
+        best = self.recipes[0]
+        parts = [
+            f"  {part['name']}: "
+            + (f"{part['value']:.4g}" if part["grams"] is None else f"{part['grams']:.2f} g")
+            for part in best["parts"]
+        ]
+        last = f"  dE2000 {best['delta_e_2000']:.2f}"
+        return "\n".join(["<miebrdf.Match>", *parts, last, *(f"  {note}" for note in self.notes)])
+
+
+def match(
+    problem: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    folder: str | os.PathLike[str] = "",
+    measured: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = ()
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Match:
+    """Find the amounts of pigments that give a wanted colour.
+
+    Parameters
+    ----------
+    problem : path or dict
+        A match file, or its content as a dict: ``scene``, ``unknowns``, ``target`` (a list of
+        dicts), perhaps ``batch``, ``cost``, ``limits`` (docs/recipes.md).
+    folder : path, optional
+        Where the files of a dict are; of a match file it is its own folder.
+    measured : path or list of paths, optional
+        A correction: what was measured of the batch that the starts of the unknowns have made.
+    threads, progress
+        As of every long call (`set_options`).
+
+    Returns
+    -------
+    Match
+        Also for a colour that is out of reach: read ``reached`` and ``notes``.
+
+    Raises
+    ------
+    UsageError, InputError
+        For a problem that cannot be solved as it stands, with what would help.
+
+    Examples
+    --------
+    >>> found = miebrdf.match({
+    ...     "scene": {"base": "paste:oil_cobalt_blue,mass={blue} + paste:oil_zinc_white",
+    ...               "host-index": "1.5", "boundary": "smooth", "stokes": 1},
+    ...     "unknowns": {"blue": "0.05 in 0:0.5"},
+    ...     "target": [{"lab": [72, -7, -28], "light": "d65,10"}]})
+    >>> found.recipes[0]["delta_e_2000"], found.reached
+    """
+    files = [measured] if isinstance(measured, str | os.PathLike) else list(measured)
+    with _placed(problem, folder, "match file") as (text, where, name), Call(
+        threads, progress
+    ) as options:
+        return Match(_core.match(text, where, name, [os.fspath(f) for f in files], options))
+
+
+@contextmanager
+def _placed(
+    problem: str | os.PathLike[str] | Mapping[str, Any], folder: str | os.PathLike[str], kind: str
+) -> Iterator[tuple[str, str, str]]:
+    """Text, folder and name of a problem; mistakes in a dict have no lines."""
     if isinstance(problem, Mapping):
         text, name, where = _toml(problem), "problem", os.fspath(folder)
     else:
@@ -250,14 +350,15 @@ def fit(
         try:
             text = path.read_text(encoding="utf-8")
         except OSError as error:
-            raise InputError(f"fit file '{path}' cannot be read: {error.strerror}") from None
+            raise InputError(f"{kind} '{path}' cannot be read: {error.strerror}") from None
         name, where = str(path), str(path.parent)
     try:
-        with Call(threads, progress) as options:
-            return Fit(_core.fit(text, where, name, starts, options))
+        yield text, where, name
     except Error as error:
-        if isinstance(problem, Mapping):  # it has no lines
-            error.args = (re.sub(_PLACE, "", str(error)).replace("fit file 'problem'", "problem"),)
+        if isinstance(problem, Mapping):
+            place = rf"{kind} 'problem', line \d+, column \d+: "
+            said = re.sub(place, "", str(error)).replace(f"{kind} 'problem'", "problem")
+            error.args = (said,)
         raise
 
 
@@ -265,14 +366,15 @@ def _toml(problem: Mapping[str, Any]) -> str:
     """The problem as the text of a fit file."""
     lines = []
     for key, value in problem.items():
-        if key == "measured":
+        if key in ("measured", "target"):
             continue
         if isinstance(value, Mapping):
             lines += [f"[{key}]", *(f"{_key(k)} = {_value(v)}" for k, v in value.items())]
         else:
             lines.insert(0, f"{_key(key)} = {_value(value)}")
-    for data in problem.get("measured", []):
-        lines += ["[[measured]]", *(f"{_key(k)} = {_value(v)}" for k, v in data.items())]
+    for key in ("measured", "target"):
+        for data in problem.get(key, []):
+            lines += [f"[[{key}]]", *(f"{_key(k)} = {_value(v)}" for k, v in data.items())]
     return "\n".join(lines)
 
 

@@ -48,6 +48,8 @@ struct DerivedNumber {
 struct SceneText {
     std::string word = {};
     std::vector<std::string> values = {};
+
+    bool operator==(const SceneText&) const = default;
 };
 
 /// The largest error of a wavelength axis that is looked for, nm.
