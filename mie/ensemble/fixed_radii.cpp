@@ -130,7 +130,7 @@ SpheresAtRadii FixedRadii::spheres(const EnsembleRequest& request) const {
 
 EnsembleRequest FixedRadii::with_resonances(EnsembleRequest side) const {
     const double larger = side.refractive_index.real() / n_;
-    if (radii_.rule == Rule::even && ensemble_.law().analytic && !has_ends_ &&
+    if (radii_.is_even && ensemble_.law().is_without_bends && !has_ends_ &&
         ensemble_.scatterer.is_plain() && side.coatings.empty()) {
         side.sizes.effective_radius_um *= larger;
         side.wavelength_nm *= larger;

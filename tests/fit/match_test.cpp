@@ -15,7 +15,7 @@ using Catch::Contains;
 
 namespace {
 
-void require_fit() {
+void require_ceres() {
     if (!has_fit()) {
         std::puts("skipped: no Ceres");
         std::exit(0);
@@ -66,7 +66,7 @@ bool has_note(const MatchResult& result, const std::string& text) {
 }  // namespace
 
 TEST_CASE("a recipe is found again from the spectrum of its paint", "[fit][match]") {
-    require_fit();
+    require_ceres();
     const support::TemporaryFolder folder;
     folder.write("paint.csv", spectrum_of(0.05, 0.08, 0.02, 0.01));
     const MatchProblem problem =
@@ -126,7 +126,7 @@ TEST_CASE("a recipe is found again from the spectrum of its paint", "[fit][match
 
 TEST_CASE("a colour out of reach is the nearest, and a pigment is named that helps",
           "[fit][match]") {
-    require_fit();
+    require_ceres();
     // The masstone of the violet, which these four cannot make.
     const MatchResult found = match(read_match_text(
         std::string(kTints) + "[[target]]\nlab = [40, 35, -30]\nlight = \"d65,10\"\n", "",
@@ -138,7 +138,7 @@ TEST_CASE("a colour out of reach is the nearest, and a pigment is named that hel
 }
 
 TEST_CASE("limits of volume and thickness hold, and grams follow from densities", "[fit][match]") {
-    require_fit();
+    require_ceres();
     const MatchResult found = match(read_match_text(R"([scene]
 boundary = "smooth"
 coat = "index:2.7,radius=0.13,density=4,volume={white}% + index:1.6,0.5,radius=0.05,density=1.8,volume={black}% in index:1.5@{film}um"
@@ -172,7 +172,7 @@ thickness_um = 30
 }
 
 TEST_CASE("a correction adds what brings a measured batch to its target", "[fit][match]") {
-    require_fit();
+    require_ceres();
     const support::TemporaryFolder folder;
     MatchProblem problem = read_match_text(
         std::string(kTints) +
