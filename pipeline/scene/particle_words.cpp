@@ -10,8 +10,11 @@
 namespace miebrdf {
 namespace {
 
-constexpr NamedValue<Packing> kPackings[] = {{"independent", Packing::independent},
-                                             {"percus-yevick", Packing::percus_yevick}};
+constexpr NamedValue<Packing> kPackings[] = {
+    {"independent", Packing::independent},
+    {"percus-yevick", Packing::percus_yevick},
+    {"effective-host", Packing::effective_host},
+    {"percus-yevick,effective-host", Packing::percus_yevick_effective_host}};
 
 std::string list_of_laws() {
     std::string text;
@@ -34,6 +37,14 @@ void set_effective_radius(const SceneWord& word, WordValues values, Request& req
     } else {
         radius_um = finite_number(value, word.name);
     }
+}
+
+void set_packing(const SceneWord& word, WordValues values, Request& request) {
+    std::string text = comma_separated(values);
+    if (text == "effective-host,percus-yevick") text = kPackings[3].name;
+    const WordValue value = text;
+    set_name<kPackings, &Request::scene, &Scene::particles, &ParticleOptions::packing>(
+        word, {&value, 1}, request);
 }
 
 void set_layer_density(const SceneWord& word, WordValues values, Request& request) {
@@ -99,12 +110,13 @@ std::vector<SceneWord> particle_words() {
          .set = set_layer_density},
         {.name = "packing",
          .placeholder = "NAME",
-         .help = "how crowded particles scatter: " + list_of(kPackings) +
-                 " (hard spheres; needs amounts)",
+         .help = "how crowded particles scatter: independent, percus-yevick (hard spheres) or "
+                 "effective-host (in the host with the others dissolved in it), or both with a "
+                 "comma; these need amounts",
          .group = group,
          .default_text = kPackings[0].name,
          .field = "packing",
-         .set = set_name<kPackings, &Request::scene, &Scene::particles, &ParticleOptions::packing>},
+         .set = set_packing},
         {.name = "k-floor",
          .placeholder = "K",
          .help = "smallest absorption index k: smaller ones of a material are raised to this; at "

@@ -15,6 +15,7 @@
 #include "pipeline/scene/species_keys.h"
 #include "pipeline/solve/amounts.h"
 #include "pipeline/solve/coated.h"
+#include "pipeline/solve/effective_host.h"
 #include "pipeline/solve/grain_shape.h"
 #include "pipeline/solve/packing.h"
 
@@ -102,6 +103,16 @@ constexpr double kWeakHost = 0.01, kOpaqueHost = 0.1, kChangePerDamping = 1.6;
 
 /// Beyond this share of the volume, what neighbours change is said.
 constexpr double kCrowded = 0.05;
+/// Size parameters in the host: Maxwell Garnett's rule is of dipoles, and was compared with paints
+/// of rutile of up to .15 um.
+constexpr double kLargestDissolved = 3.0;
+
+bool has_structure(Packing packing) {
+    return packing == Packing::percus_yevick || packing == Packing::percus_yevick_effective_host;
+}
+bool has_effective_host(Packing packing) {
+    return packing == Packing::effective_host || packing == Packing::percus_yevick_effective_host;
+}
 
 std::vector<CrowdMember> crowd_of(const ResolvedMedium& medium) {
     std::vector<CrowdMember> crowd;
@@ -187,7 +198,10 @@ ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>&
     if (by_extinction) set_host_absorption(host, wavelength_nm, optical_depth, resolved);
     resolved.host_absorption.resize(wavelength_nm.size(), 0.0);
     for (const std::complex<double> index : host.index) resolved.host_index.push_back(index.real());
-    if (!is_host_alone) set_packing(resolved);
+    if (!is_host_alone) {
+        set_effective_host(resolved);
+        set_packing(resolved);
+    }
     for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
         resolved.key.push_back(key_of(resolved, w));
     return resolved;
@@ -388,23 +402,55 @@ void Resolver::note_strong_host(const HostAt& host, double k, double nm,
     }
 }
 
-void Resolver::set_packing(ResolvedMedium& medium) {
+bool Resolver::is_of_spheres(const ResolvedMedium& medium, const char* packing) const {
     const bool all_mie = std::all_of(medium.species.begin(), medium.species.end(),
                                      [](const auto& species) { return species.needs_mie(); });
-    const bool asked = scene_.particles.packing == Packing::percus_yevick;
-    if (asked && !all_mie && medium.has_extinction()) {
+    if (packing == nullptr) return all_mie;
+    if (!all_mie && medium.has_extinction()) {
         throw UsageError(
-            fmt::format("medium '{}': packing percus-yevick is for spheres; what a "
-                        "file has of crowding nobody knows",
-                        describe(medium.medium)));
+            fmt::format("medium '{}': packing {} is for spheres; what a file has of "
+                        "crowding nobody knows",
+                        describe(medium.medium), packing));
     }
-    if (!all_mie) return;
-    if (asked && !medium.has_amounts) {
-        throw UsageError(fmt::format(
-            "medium '{}': packing percus-yevick needs amounts; give volume=, mass= (with "
-            "layer_density_kg_m3) or number=",
-            describe(medium.medium)));
+    if (all_mie && !medium.has_amounts) {
+        throw UsageError(
+            fmt::format("medium '{}': packing {} needs amounts; give volume=, mass= (with "
+                        "layer_density_kg_m3) or number=",
+                        describe(medium.medium), packing));
     }
+    return all_mie;
+}
+
+void Resolver::set_effective_host(ResolvedMedium& medium) {
+    if (!has_effective_host(scene_.particles.packing)) return;
+    if (!is_of_spheres(medium, "effective-host")) return;
+    const std::vector<double>& nm = medium.species.front().wavelength_nm;
+    std::vector<std::pair<double, double>> hosts;  // with their wavelengths
+    double largest = 0.0;                          // size parameter
+    for (std::size_t w = 0; w < nm.size(); ++w) {
+        const double n = effective_host_index(medium, w);
+        hosts.emplace_back(n, nm[w]);
+        for (ResolvedSpecies& species : medium.species) {
+            species.particles[w].host_index = n;
+            species.key[w] = species_key(species, w);
+            largest =
+                std::max(largest, 2e3 * std::numbers::pi * n * species.outer_radius_um / nm[w]);
+        }
+    }
+    const auto [least, most] = std::minmax_element(hosts.begin(), hosts.end());
+    add_once(notes_, fmt::format("{}: packing effective-host has particles scatter in an index of "
+                                 "{:.4g} ({} nm) to {:.4g} ({} nm)",
+                                 describe(medium.medium), least->first, least->second, most->first,
+                                 most->second));
+    if (largest > kLargestDissolved)
+        add_once(notes_, fmt::format("{}: packing effective-host is for particles below the "
+                                     "wavelength; their size parameter is up to {:.2g}",
+                                     describe(medium.medium), largest));
+}
+
+void Resolver::set_packing(ResolvedMedium& medium) {
+    const bool asked = has_structure(scene_.particles.packing);
+    if (!is_of_spheres(medium, asked ? "percus-yevick" : nullptr)) return;
     for (ResolvedSpecies& species : medium.species) {
         species.crowded = asked;
         if (asked && species.species.shape.kind != GrainShape::Kind::sphere) {
@@ -416,7 +462,9 @@ void Resolver::set_packing(ResolvedMedium& medium) {
         species.crowd = crowd_of(medium);
         if (species.crowd.empty()) species.crowded = false;
     }
-    if (!asked && medium.has_amounts && filled_volume(medium) > kCrowded) note_crowding(medium);
+    if (scene_.particles.packing == Packing::independent && medium.has_amounts &&
+        filled_volume(medium) > kCrowded)
+        note_crowding(medium);
 }
 
 void Resolver::note_crowding(const ResolvedMedium& medium) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <miebrdf/brdf.h>
+#include <miebrdf/error.h>
 
 #include <cmath>
 #include <numbers>
@@ -90,6 +91,64 @@ TEST_CASE("crowded pigments scatter as the tables of dense binders say", "[pipel
         return note.find("independent") != std::string::npos;
     });
     REQUIRE(said == (c.volume > 0.05 ? 1 : 0));
+}
+
+TEST_CASE("pigments see the others dissolved in the host", "[pipeline][packing]") {
+    struct Case {
+        double volume, effective_host, both;
+    };
+    // Reduced scattering per volume over that of few particles, of rutile at 550 nm computed with
+    // a host of Maxwell Garnett's index in place of 1.5: three digits after the point.
+    const auto c =
+        GENERATE(Case{0.01, 0.981, 0.976}, Case{0.05, 0.908, 0.882}, Case{0.1, 0.819, 0.768},
+                 Case{0.2, 0.650, 0.558}, Case{0.3, 0.496, 0.379}, Case{0.4, 0.360, 0.239});
+    CAPTURE(c.volume);
+    const std::string rutile = "index:2.75,0,radius=0.125,variance=0.05,distribution=log-normal";
+    const auto per_volume = [&](double volume, Packing packing) {
+        Scene scene = scene_of(rutile + ",volume=" + std::to_string(volume) + " in index:1.5");
+        scene.particles.packing = packing;
+        const LayerOptics layer = solve(scene, {550}, {.tolerance = 1e-4}).layers().at(0);
+        return *layer.reduced_scattering_per_um / volume;
+    };
+    const double dilute = per_volume(1e-6, Packing::independent);
+    CHECK(std::abs(per_volume(c.volume, Packing::effective_host) / dilute - c.effective_host) <=
+          1e-3);
+    CHECK(std::abs(per_volume(c.volume, Packing::percus_yevick_effective_host) / dilute - c.both) <=
+          1e-3);
+}
+
+TEST_CASE("the host that particles see is that of the closed form, coatings included",
+          "[pipeline][packing]") {
+    // Maxwell Garnett by hand for two species: e 4 and 6.25 in 2.25, 10 and 20 %.
+    const double beta = 0.1 * (4 - 2.25) / (4 + 4.5) + 0.2 * (6.25 - 2.25) / (6.25 + 4.5);
+    const double n = std::sqrt(2.25 * (1 + 2 * beta) / (1 - beta));
+    const std::string words =
+        "index:2,0,radius=0.1,distribution=mono,volume=10% + "
+        "index:2.5,0,radius=0.1,distribution=mono,volume=20%";
+    const auto scattering = [](Scene scene, Packing packing) {
+        scene.particles.packing = packing;
+        return *solve(scene, {550}, {.tolerance = 1e-4}).layers().at(0).scattering_per_um;
+    };
+    const double truth =
+        scattering(scene_of(words + " in index:" + std::to_string(n)), Packing::independent);
+    CHECK(relative_error(scattering(scene_of(words + " in index:1.5"), Packing::effective_host),
+                         truth) <= 1e-5);
+    // A coating of the host's index adds volume and no dipole; one of the core's is a larger
+    // sphere.
+    const std::string large = "index:2,0,radius=0.1,distribution=mono,volume=10% in index:1.5",
+                      small =
+                          "index:2,0,radius=0.09,coating=index:2,0@0.01um,distribution=mono,"
+                          "volume=10% in index:1.5";
+    CHECK(relative_error(scattering(scene_of(small), Packing::effective_host),
+                         scattering(scene_of(large), Packing::effective_host)) <= 1e-6);
+    // The boundary to the air keeps the binder's index.
+    Scene below = scene_of(large);
+    below.boundary = rte::Boundary{};
+    below.particles.packing = Packing::effective_host;
+    const double reflected = solve(below, {550}).albedo({1.0}).mirror_reflectance[0][0];
+    CHECK(std::abs(reflected - 0.04) <= 1e-12);
+    CHECK_THROWS_AS(scattering(scene_of("index:2,0,radius=0.1"), Packing::effective_host),
+                    UsageError);
 }
 
 TEST_CASE("the note of crowding has the range over the wavelengths that packing would give",

@@ -333,7 +333,9 @@ void bind_ground(py::module_& module) {
         .value("reciprocal", rte::SurfaceCoupling::reciprocal);
     py::enum_<Packing>(module, "Packing")
         .value("independent", Packing::independent)
-        .value("percus_yevick", Packing::percus_yevick);
+        .value("percus_yevick", Packing::percus_yevick)
+        .value("effective_host", Packing::effective_host)
+        .value("percus_yevick_effective_host", Packing::percus_yevick_effective_host);
     py::class_<rte::SurfaceOptions>(module, "SurfaceOptions")
         .def(py::init([](double alpha, rte::MicrofacetDistribution distribution,
                          rte::Shadowing shadowing, rte::FresnelKind fresnel) {

@@ -299,6 +299,8 @@ std::string describe(const rte::Boundary& boundary);
 enum class Packing {
     independent,    ///< each scatters as if alone
     percus_yevick,  ///< hard spheres: |F|^2 times their structure factor, species by species
+    effective_host,  ///< each scatters in a host in which the others are dissolved (Maxwell Garnett)
+    percus_yevick_effective_host,  ///< both
 };
 
 /// The spheres of media that go through Mie theory; a species' own sizes come before these.

@@ -77,7 +77,8 @@ class Scene:
     layer_density_kg_m3 : float, optional
         Bulk density of the layers, where mass fractions and thicknesses meet (snow: 50 to 550).
     packing : str
-        independent, percus-yevick (crowded hard spheres).
+        independent, percus-yevick (crowded hard spheres), effective-host (each scatters in the
+        host with the others dissolved in it), or both, ``"percus-yevick,effective-host"``.
     interpolation : str
         Of n and k between their rows: pchip, linear, linear-energy.
     extrapolate : str

@@ -185,7 +185,7 @@ def core_scene(of: dict[str, Any], named: dict[str, Any]) -> _core.Scene:
         number("k_floor", of["k_floor"]),
         number("mie_tolerance", of["mie_tolerance"]),
         optional("layer_density_kg_m3", of["layer_density_kg_m3"]),
-        choice(_core.Packing, "packing", of["packing"]),
+        choice(_core.Packing, "packing", str(of["packing"]).replace(",", "_")),
     )
     if of["boundary"] is not None:
         scene.set_boundary(of["boundary"])
