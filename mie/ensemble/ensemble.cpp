@@ -247,11 +247,12 @@ void require_average(const EnsembleRequest& request) {
     const Ensemble ensemble = ensemble_of(request);
     // Orders are those of the outermost shell.
     const double largest = ensemble.scatterer.outer_x(ensemble.largest_x());
-    if (!(ensemble.smallest_x() >= 1e-30 && largest <= kLargestInEnsemble)) {
+    const double allowed = request.coatings.empty() ? kLargestInEnsemble : kLargestCoated;
+    if (!(ensemble.smallest_x() >= 1e-30 && largest <= allowed)) {
         throw UsageError("size parameters",
                          fmt::format("{} to {}{}", ensemble.smallest_x(), largest,
                                      largest > ensemble.largest_x() ? " with coatings" : ""),
-                         fmt::format("1e-30 to {:g} in an ensemble", kLargestInEnsemble));
+                         fmt::format("1e-30 to {:g} in an ensemble", allowed));
     }
 }
 

@@ -28,6 +28,8 @@ struct AverageLimits {
 
 /// Size parameters of averages: waves and rays of larger spheres are untested.
 constexpr double kLargestInEnsemble = 1e6;
+/// Coated ones take .8 GB here, and go without rays.
+constexpr double kLargestCoated = 1e5;
 
 /// Particles and their sizes: handed whole from one method to the next.
 struct Ensemble {

@@ -2,7 +2,6 @@
 // which have a [[target]] in its place.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <miebrdf/match.h>
 
 #include <algorithm>
 #include <cmath>

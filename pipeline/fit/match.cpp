@@ -2,7 +2,7 @@
 // is out of reach.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <miebrdf/match.h>
+#include <miebrdf/fit.h>
 
 #include <algorithm>
 #include <cmath>

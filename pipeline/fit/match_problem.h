@@ -1,7 +1,7 @@
 // A recipe's problem in the words of a fit, and back as a file.
 #pragma once
 
-#include <miebrdf/match.h>
+#include <miebrdf/fit.h>
 
 #include <string>
 #include <vector>

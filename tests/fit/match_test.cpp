@@ -1,7 +1,7 @@
 // Recipes whose colour is known, and what is told of them.
 #include <fmt/format.h>
 #include <miebrdf/error.h>
-#include <miebrdf/match.h>
+#include <miebrdf/fit.h>
 
 #include <cmath>
 #include <cstdio>

@@ -360,4 +360,8 @@ TEST_CASE("an ensemble refuses nonsense with the value in the message", "[mie][e
         request.sizes.effective_radius_um = 1e6;
         CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("1e+06"));
     }
+    SECTION("a coating that takes gigabytes") {
+        request.coatings = {{.refractive_index = 1.3, .thickness_um = 3e4}};
+        CHECK_THROWS_WITH(mie::average_over_sizes(request), Catch::Contains("1e+05"));
+    }
 }

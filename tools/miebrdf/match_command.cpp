@@ -1,6 +1,6 @@
 // miebrdf match: from a wanted colour to a recipe.
 #include <fmt/format.h>
-#include <miebrdf/match.h>
+#include <miebrdf/fit.h>
 
 #include <iostream>
 

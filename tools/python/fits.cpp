@@ -1,5 +1,5 @@
-// Fits and recipes: <miebrdf/fit.h>, <miebrdf/match.h>.
-#include <miebrdf/match.h>
+// Fits and recipes: <miebrdf/fit.h>.
+#include <miebrdf/fit.h>
 
 #include <cmath>
 #include <string>
@@ -111,25 +111,24 @@ py::dict run_match(const std::string& text, const std::string& folder, const std
     for (const Recipe& recipe : result.recipes) {
         py::list parts, colours;
         for (const RecipePart& part : recipe.parts)
-            parts.append(py::dict(
-                py::arg("name") = part.name, py::arg("value") = part.value,
-                py::arg("grams") = part.grams, py::arg("weight_share") = part.weight_share,
-                py::arg("volume_share") = part.volume_share,
-                py::arg("delta_e_per_tenth_gram") = part.delta_e_per_tenth_gram,
-                py::arg("cost") = part.cost, py::arg("at_bound") = part.at_bound));
+            parts.append(
+                py::dict(py::arg("name") = part.name, py::arg("value") = part.value,
+                         py::arg("grams") = part.grams, py::arg("weight_share") = part.weight_share,
+                         py::arg("volume_share") = part.volume_share,
+                         py::arg("delta_e_per_tenth_gram") = part.delta_e_per_tenth_gram,
+                         py::arg("cost") = part.cost, py::arg("at_bound") = part.at_bound));
         for (const RecipeColour& colour : recipe.colours)
             colours.append(py::dict(py::arg("target") = colour.target,
                                     py::arg("light") = colour.light,
                                     py::arg("lab") = numbers_of(colour.lab),
                                     py::arg("wanted") = numbers_of(colour.wanted),
                                     py::arg("delta_e_2000") = colour.delta_e_2000));
-        recipes.append(py::dict(py::arg("parts") = parts, py::arg("colours") = colours,
-                                py::arg("delta_e_2000") = recipe.delta_e_2000,
-                                py::arg("delta_e_second") = recipe.delta_e_second,
-                                py::arg("contrast_ratio") = recipe.contrast_ratio,
-                                py::arg("cost") = recipe.cost,
-                                py::arg("left_out") = recipe.left_out,
-                                py::arg("file") = recipe.file));
+        recipes.append(py::dict(
+            py::arg("parts") = parts, py::arg("colours") = colours,
+            py::arg("delta_e_2000") = recipe.delta_e_2000,
+            py::arg("delta_e_second") = recipe.delta_e_second,
+            py::arg("contrast_ratio") = recipe.contrast_ratio, py::arg("cost") = recipe.cost,
+            py::arg("left_out") = recipe.left_out, py::arg("file") = recipe.file));
     }
     py::dict facts;
     facts["recipes"] = recipes;

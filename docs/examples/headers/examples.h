@@ -40,7 +40,7 @@ inline constexpr std::array<std::pair<const char*, void (*)()>, 23> kExamples = 
     {"formats.h", show_formats},
     {"index.h", show_index},
     {"layer_albedos.h", show_layer_albedos},
-    {"match.h", show_match},
+    {"fit.h, match", show_match},
     {"measured.h", show_measured},
     {"optics.h", show_optics},
     {"plan.h", show_plan},

@@ -19,7 +19,6 @@
 #include <miebrdf/index.h>
 #include <miebrdf/language.h>
 #include <miebrdf/layer_albedos.h>
-#include <miebrdf/match.h>
 #include <miebrdf/matrix_expansion.h>
 #include <miebrdf/measured.h>
 #include <miebrdf/optics.h>
