@@ -52,7 +52,7 @@ class SeriesSummation : public SizeSummation {
                    const SphereSums& sums) const override {
         return std::max(change.head(moment_count()).abs().maxCoeff(),
                         tolerance(sums) / SizeRule::kSafety *
-                            noise_over_allowed(change.tail(nodes()), averages.tail(nodes()), sums));
+                            noise_over_allowed(change.tail(nodes()), averages, sums));
     }
 
     /// All that are not rounding.
@@ -75,8 +75,11 @@ class SeriesSummation : public SizeSummation {
 
   protected:
     /// Where it is largest.
-    virtual double noise_over_allowed(const Array& change, const Array& phase,
+    /// @param change  of P at the nodes
+    virtual double noise_over_allowed(const Array& change, const Array& averages,
                                       const SphereSums& sums) const = 0;
+    Eigen::Index moment_count() const { return 2 * terms_ + 1; }
+    Eigen::Index nodes() const { return gauss_.angles().angle_count(); }
     double noise_at(double theta, const Array& change) const {
         return noise_around(theta, theta, change, theta_, std::numbers::pi / double(nodes()));
     }
@@ -84,9 +87,6 @@ class SeriesSummation : public SizeSummation {
 
   private:
     static constexpr double kNegligible = 1e-15;
-
-    Eigen::Index moment_count() const { return 2 * terms_ + 1; }
-    Eigen::Index nodes() const { return gauss_.angles().angle_count(); }
 
     const Ensemble& ensemble_;
     const Executor& run_;
@@ -109,9 +109,9 @@ class TableSummation : public SeriesSummation {
 
   protected:
     // By the rms around each node, as the table states it.
-    double noise_over_allowed(const Array& change, const Array& phase,
+    double noise_over_allowed(const Array& change, const Array& averages,
                               const SphereSums& sums) const override {
-        const Array relative = change / phase.max(floor(sums));
+        const Array relative = change / averages.tail(nodes()).max(floor(sums));
         double largest = 0;
         for (const double theta : angles()) largest = std::max(largest, noise_at(theta, relative));
         return largest /
@@ -139,21 +139,27 @@ class PointSummation : public SeriesSummation {
     }
 
   protected:
-    double noise_over_allowed(const Array& change, const Array& phase,
+    double noise_over_allowed(const Array& change, const Array& averages,
                               const SphereSums&) const override {
-        const Array relative = change / phase.max(std::max(request_.phase_floor, kLeastPhase));
+        const std::span<const double> chi(averages.data(), std::size_t(moment_count()));
         double largest = 0;
         for (std::size_t i = 0; i < request_.angles_deg.size(); ++i) {
             const double angle = request_.angles_deg[i];
-            const double ratio = request_.phase_allowed.empty()
-                                     ? error_at(angle, relative) / request_.phase_tolerance
-                                     : error_at(angle, change) / request_.phase_allowed[i];
-            largest = std::max(largest, ratio);
+            const double allowed = request_.phase_allowed.empty()
+                                       ? request_.phase_tolerance * least_counted(chi, angle)
+                                       : request_.phase_allowed[i];
+            largest = std::max(largest, error_at(angle, change) / allowed);
         }
         return largest;
     }
 
   private:
+    /// P at the angle, as the errors are judged by that are stated.
+    double least_counted(std::span<const double> chi, double angle_deg) const {
+        const double phase = math::legendre_series(chi, cosine_of_scattering_angle(angle_deg));
+        return std::max({phase, request_.phase_floor, kLeastPhase});
+    }
+
     const EnsembleRequest& request_;
 };
 

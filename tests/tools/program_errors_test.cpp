@@ -181,9 +181,9 @@ TEST_CASE("an unknown command is one with --help, too", "[program][errors]") {
 
 TEST_CASE("what is within the tolerance is converged, whichever step took more than its share",
           "[program]") {
-    // Mie theory alone has 2.5e-5 of 1e-4 here, more than its share.
+    // Mie theory alone has 1.14e-4 of 1.2e-4 here, more than its share.
     const auto ice = support::run_program(
-        "albedo --base H2O_ice,radius=31.5 --wavelengths 1300 --mu-in .5 --tolerance 1e-4");
+        "albedo --base H2O_ice,radius=31.5 --wavelengths 1300 --mu-in .5 --tolerance 1.2e-4");
     CHECK(ice.exit_code == 0);
     CHECK_THAT(ice.out, !Catch::Contains("not converged"));
     // 11 digits are all that 1.003 has to the host; the series themselves are whole.

@@ -159,8 +159,9 @@ TEST_CASE("a chart speaks of scenes without the notation of options", "[program]
     const std::string shown = svg.substr(svg.find("</desc>"));
     CHECK(shown.find("radius=") == std::string::npos);
     CHECK(shown.find("hg:") == std::string::npos);
-    CHECK(shown.find("\u03c4 = 0.2; spherical") != std::string::npos);
-    CHECK(shown.find("\u03c4 = 1; spherical") != std::string::npos);
+    CHECK(shown.find(">\u03c4 = 0.2<") != std::string::npos);
+    CHECK(shown.find(">\u03c4 = 1<") != std::string::npos);
+    CHECK(shown.find("any colour: spherical") != std::string::npos);
     CHECK(shown.find("Henyey-Greenstein") != std::string::npos);
 }
 

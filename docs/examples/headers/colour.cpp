@@ -23,7 +23,8 @@ void show_colour() {
     const Lch lch = to_lch(lab);
     const LinearSrgb linear = to_linear_srgb(xyz, viewing);
     std::cout << "chroma " << lch.c << ", red " << encode_srgb(linear.red) << "; from white "
-              << delta_e_2000(lab, white) << " (1976: " << delta_e_76(lab, white) << ")\n";
+              << delta_e_2000(lab, white) << " (1976: " << delta_e_76(lab, white) << "), of that "
+              << delta_e_2000_parts(lab, white)[0] << " by lightness\n";
     const ColourMatching eye = colour_matching(555, viewing.observer);
     std::cout << "y(555 nm) = " << eye.y << ", D50 there "
               << relative_power(viewing.illuminant, 555) << " of 100\n";

@@ -48,11 +48,13 @@ void show_match() {
         "[[target]]\nlab = [72, -7, -28]\nlight = \"d65,10\"\n",
         ".", "example");
     problem.batch_grams = 500;
+    const MatchTarget& target = problem.targets.at(0);
+    const MatchColour& wanted = target.colours.at(0);
     const MatchResult found = match(problem);
     const Recipe& recipe = found.recipes.at(0);
     for (const RecipePart& part : recipe.parts)
         std::cout << part.name << ' ' << part.grams.value_or(0.0) << " g\n";
     const RecipeColour& colour = recipe.colours.at(0);
-    std::cout << colour.light << ": dE2000 " << colour.delta_e_2000
+    std::cout << wanted.light << ": dE2000 " << colour.delta_e_2000
               << (found.reached ? ", reached\n" : ", out of reach\n");
 }

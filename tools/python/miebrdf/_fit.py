@@ -294,7 +294,7 @@ def match(
     problem: str | os.PathLike[str] | Mapping[str, Any],
     *,
     folder: str | os.PathLike[str] = "",
-    measured: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = ()
+    measured: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
     threads: int | None = None,
     progress: Progress = None,
 ) -> Match:

@@ -178,7 +178,9 @@ FitResult fit(const FitProblem& problem, const Control& control = {});
 
 // From a wanted colour to a recipe: amounts of pigments, in grams (docs/recipes.md).
 //
-//     const auto found = miebrdf::match(miebrdf::read_match_file("pastel.toml"));
+//     auto problem = miebrdf::read_match_file("pastel.toml");
+//     miebrdf::add_measured(problem, "batch.csv");  // to correct a batch that has been made
+//     const auto found = miebrdf::match(problem);
 //     for (const auto& part : found.recipes.at(0).parts)
 //         std::cout << part.name << ' ' << part.grams << '\n';
 
@@ -196,6 +198,7 @@ struct MatchTarget {
     std::vector<MatchColour> colours = {};  ///< at least one
 };
 
+/// What is looked for: a scene whose amounts are unknown, and the colours that it should have.
 struct MatchProblem {
     std::vector<SceneText> scene = {};      ///< as of FitProblem
     std::vector<Unknown> unknowns = {};     ///< amounts, thicknesses, any other number
@@ -225,10 +228,10 @@ void add_measured(MatchProblem& problem, const std::string& file, const std::str
 struct RecipePart {
     std::string name = {};             ///< of the unknown; of other components their words
     std::optional<double> value = {};  ///< of the unknown, in the unit of its word
-    std::optional<double> grams = {};  ///< in the batch; of a correction what to add
+    std::optional<double> grams = {};  ///< g in the batch, >= 0; of a correction what to add
     std::optional<double> weight_share = {}, volume_share = {};  ///< of the paint, in [0, 1]
     std::optional<double> delta_e_per_tenth_gram = {};  ///< CIEDE2000 by 0.1 g more, first colour
-    double cost = 0.0;                                  ///< of its grams
+    double cost = 0.0;  ///< of its grams, >= 0, in the currency of cost_per_kg
     bool at_bound = false;
 };
 
@@ -236,20 +239,22 @@ struct RecipePart {
 struct RecipeColour {
     std::string target = {}, light = {};
     Lab lab = {}, wanted = {};  ///< of a correction lab has the model's offset
-    double delta_e_2000 = 0.0;  ///< between both
+    double delta_e_2000 = 0.0;  ///< between both, >= 0
 };
 
+/// Amounts, what they look like and what they cost.
 struct Recipe {
     std::vector<RecipePart> parts = {};
     std::vector<RecipeColour> colours = {};     ///< target by target
-    double delta_e_2000 = 0.0;                  ///< largest under the first light
+    double delta_e_2000 = 0.0;                  ///< largest under the first light, >= 0
     std::optional<double> delta_e_second = {};  ///< largest under any other
     std::optional<double> contrast_ratio = {};  ///< over black and a white of 0.8, first light
-    double cost = 0.0;                          ///< of the batch; of a correction of what is added
-    std::string left_out = {};                  ///< the unknown that this recipe does without
-    std::string file = {};                      ///< a match file whose starts are this recipe
+    double cost = 0.0;  ///< of the batch, of a correction of what is added; >= 0, currency as above
+    std::string left_out = {};  ///< the unknown that this recipe does without
+    std::string file = {};      ///< a match file whose starts are this recipe
 };
 
+/// Recipes, and what is to be known of them.
 struct MatchResult {
     std::vector<Recipe> recipes = {};  ///< best first, at least one
     bool reached = false;              ///< delta_e_2000 <= kMatched
