@@ -297,9 +297,9 @@ std::string describe(const rte::Boundary& boundary);
 
 /// Whether crowded particles see each other.
 enum class Packing {
-    independent,    ///< each scatters as if alone
-    percus_yevick,  ///< hard spheres: |F|^2 times their structure factor, species by species
-    effective_host,  ///< each scatters in a host in which the others are dissolved (Maxwell Garnett)
+    independent,     ///< each scatters as if alone
+    percus_yevick,   ///< hard spheres: |F|^2 times their structure factor, species by species
+    effective_host,  ///< in a host in which the others are dissolved (Maxwell Garnett)
     percus_yevick_effective_host,  ///< both
 };
 
