@@ -113,7 +113,8 @@ class Shell {
     mutable std::string advice_ =
         "not converged: the estimated error is above the tolerance; what was written says where "
         "('not converged'). Accept it by a larger --tolerance, or lower it by more --streams (at "
-        "most 256; twice as many take up to eight times as long)";
+        "most 256; twice as many take up to eight times as long); where polarisation was left out, "
+        "by --stokes 3, or ask for light without it, --stokes 1";
     std::vector<std::string> scene_words_;
     std::function<Job()> prepare_;
 };
