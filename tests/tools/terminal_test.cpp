@@ -255,9 +255,9 @@ TEST_CASE("a run that is interrupted keeps the wavelengths it has finished",
 
 TEST_CASE("a fit that is interrupted prints the best so far", "[program][interrupt]") {
     const support::TemporaryFolder folder, cache;
-    // Two numbers of the averages of large spheres at 20 wavelengths: some seconds.
+    // Two numbers of the averages of large spheres at 80 wavelengths: several seconds.
     std::string rows = "wavelength_nm,albedo\n";
-    for (int i = 0; i < 20; ++i) rows += std::to_string(500 + 10 * i) + ",0.6\n";
+    for (int i = 0; i < 80; ++i) rows += std::to_string(500 + 10 * i) + ",0.6\n";
     folder.write("flat.csv", rows);
     const std::string file =
         folder.write("fit.toml",
