@@ -9,7 +9,8 @@ namespace {
 /// Smooth parts are mixed once; sharp ones whose wavelengths have no weight are left out.
 class SolvedMix : public ChannelMix {
   public:
-    SolvedMix(const SolvedTable& table, const ColourWeights& weights) {
+    SolvedMix(const SolvedTable& table, const ColourWeights& weights) : table_(table) {
+        if (table.exact) exact_ = table.exact->mix(weights);
         for (std::size_t w = 0; w < table.wavelengths.size(); ++w) {
             for (std::size_t c = 0; c < 3; ++c) {
                 if (weights[w][c] != 0.0)
@@ -37,8 +38,12 @@ class SolvedMix : public ChannelMix {
         for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
             const auto rest = directions.subspan(first);
             count = count_sharing_cosines(rest);
-            set_cosines(rest.first(count), scratch);
             double* const target = values.data() + 3 * first;
+            if (table_.instead(rest.front().mu_in) != nullptr) {
+                exact_->evaluate(rest.first(count), {target, 3 * count});
+                continue;
+            }
+            set_cosines(rest.first(count), scratch);
             const SmoothSum smooth(rest.front());
             for (std::size_t c = 0; c < 3; ++c) smooth.add(smooth_[c], target + c, 3, scratch);
             for (const Part& part : parts_) {
@@ -60,6 +65,8 @@ class SolvedMix : public ChannelMix {
         const SharpPart* sharp;
         ColourWeights weight;
     };
+    const SolvedTable& table_;
+    std::unique_ptr<ChannelMix> exact_;
     std::vector<Part> parts_;
     std::array<SmoothPart, 3> smooth_;
 };
@@ -80,8 +87,12 @@ void BrdfTable::evaluate(std::span<const Direction> asked, std::span<double> val
     for (std::size_t first = 0, count = 0; first < directions.size(); first += count) {
         const auto rest = directions.subspan(first);
         count = count_sharing_cosines(rest);
-        set_cosines(rest.first(count), scratch);
         double* target = values.data() + first * stride;
+        if (const BrdfTable* exact = solved_->instead(rest.front().mu_in)) {
+            exact->evaluate(rest.first(count), {target, stride * count});
+            continue;
+        }
+        set_cosines(rest.first(count), scratch);
         for (const SharpPart& part : solved_->sharp) {
             const std::size_t wavelengths = part.wavelengths();
             sharp.resize(count * wavelengths);

@@ -113,8 +113,7 @@ std::vector<SmoothPart> series_of(const SharpPart& part, int n, const Control& c
 bool holds(const std::vector<SmoothPart>& series, const SharpPart& part, double tolerance,
            const Control& control) {
     constexpr std::size_t kSteps = SmoothPart::kNodes - 1;
-    // Not below mu_in 0.001, where a refracting boundary lets next to nothing in: there the series
-    // were measured to miss 6e-4 (Fe2O3 below a smooth boundary).
+    // Below the second node values are exact (SolvedTable::instead).
     constexpr std::array<std::size_t, 11> kIncidences = {1, 2, 4, 8, 13, 19, 26, 33, 40, 45, 47};
     constexpr int kAzimuths = 15;  // no divisor of the samples
     const std::vector<double> cos_azimuth = cosines_of_azimuths(kAzimuths);

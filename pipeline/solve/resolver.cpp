@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "pipeline/cache/job_key.h"
@@ -15,9 +14,7 @@
 #include "pipeline/scene/species_keys.h"
 #include "pipeline/solve/amounts.h"
 #include "pipeline/solve/coated.h"
-#include "pipeline/solve/effective_host.h"
 #include "pipeline/solve/grain_shape.h"
-#include "pipeline/solve/packing.h"
 
 namespace miebrdf {
 namespace {
@@ -100,29 +97,6 @@ std::string key_of(const ResolvedMedium& medium, std::size_t w) {
 /// less than 0.3 k x: a note says so beyond 0.01, and beyond 0.1 a cross-section per particle no
 /// longer says what a layer scatters.
 constexpr double kWeakHost = 0.01, kOpaqueHost = 0.1, kChangePerDamping = 1.6;
-
-/// Beyond this share of the volume, what neighbours change is said.
-constexpr double kCrowded = 0.05;
-/// Size parameters in the host: Maxwell Garnett's rule is of dipoles, and was compared with paints
-/// of rutile of up to .15 um.
-constexpr double kLargestDissolved = 3.0;
-
-bool has_structure(Packing packing) {
-    return packing == Packing::percus_yevick || packing == Packing::percus_yevick_effective_host;
-}
-bool has_effective_host(Packing packing) {
-    return packing == Packing::effective_host || packing == Packing::percus_yevick_effective_host;
-}
-
-std::vector<CrowdMember> crowd_of(const ResolvedMedium& medium) {
-    std::vector<CrowdMember> crowd;
-    for (const ResolvedSpecies& species : medium.species) {
-        if (species.volume_fraction == 0.0) continue;
-        crowd.push_back({species.volume_fraction, species.effective_radius_um,
-                         species.outer_radius_um, species.particles, species.key});
-    }
-    return crowd;
-}
 
 /// Without amounts, a host is left out that takes less than this share of the light when particles
 /// fill as little as this share of the volume.
@@ -400,96 +374,6 @@ void Resolver::note_strong_host(const HostAt& host, double k, double nm,
                      "of an absorbing host scatters about {:.0f} % more",
                      host.name, describe(species.species), kx, nm, 100.0 * kChangePerDamping * kx));
     }
-}
-
-bool Resolver::is_of_spheres(const ResolvedMedium& medium, const char* packing) const {
-    const bool all_mie = std::all_of(medium.species.begin(), medium.species.end(),
-                                     [](const auto& species) { return species.needs_mie(); });
-    if (packing == nullptr) return all_mie;
-    if (!all_mie && medium.has_extinction()) {
-        throw UsageError(
-            fmt::format("medium '{}': packing {} is for spheres; what a file has of "
-                        "crowding nobody knows",
-                        describe(medium.medium), packing));
-    }
-    if (all_mie && !medium.has_amounts) {
-        throw UsageError(
-            fmt::format("medium '{}': packing {} needs amounts; give volume=, mass= (with "
-                        "layer_density_kg_m3) or number=",
-                        describe(medium.medium), packing));
-    }
-    return all_mie;
-}
-
-void Resolver::set_effective_host(ResolvedMedium& medium) {
-    if (!has_effective_host(scene_.particles.packing)) return;
-    if (!is_of_spheres(medium, "effective-host")) return;
-    const std::vector<double>& nm = medium.species.front().wavelength_nm;
-    std::vector<std::pair<double, double>> hosts;  // with their wavelengths
-    double largest = 0.0;                          // size parameter
-    for (std::size_t w = 0; w < nm.size(); ++w) {
-        const double n = effective_host_index(medium, w);
-        hosts.emplace_back(n, nm[w]);
-        for (ResolvedSpecies& species : medium.species) {
-            species.particles[w].host_index = n;
-            species.key[w] = species_key(species, w);
-            largest =
-                std::max(largest, 2e3 * std::numbers::pi * n * species.outer_radius_um / nm[w]);
-        }
-    }
-    const auto [least, most] = std::minmax_element(hosts.begin(), hosts.end());
-    add_once(notes_, fmt::format("{}: packing effective-host has particles scatter in an index of "
-                                 "{:.4g} ({} nm) to {:.4g} ({} nm)",
-                                 describe(medium.medium), least->first, least->second, most->first,
-                                 most->second));
-    if (largest > kLargestDissolved)
-        add_once(notes_, fmt::format("{}: packing effective-host is for particles below the "
-                                     "wavelength; their size parameter is up to {:.2g}",
-                                     describe(medium.medium), largest));
-}
-
-void Resolver::set_packing(ResolvedMedium& medium) {
-    const bool asked = has_structure(scene_.particles.packing);
-    if (!is_of_spheres(medium, asked ? "percus-yevick" : nullptr)) return;
-    for (ResolvedSpecies& species : medium.species) {
-        species.crowded = asked;
-        if (asked && species.species.shape.kind != GrainShape::Kind::sphere) {
-            add_once(notes_, fmt::format("packing percus-yevick takes the grains of {} as spheres "
-                                         "of their effective radius",
-                                         describe(species.species)));
-        }
-        if (!asked && (!medium.has_amounts || filled_volume(medium) <= kCrowded)) continue;
-        species.crowd = crowd_of(medium);
-        if (species.crowd.empty()) species.crowded = false;
-    }
-    if (scene_.particles.packing == Packing::independent && medium.has_amounts &&
-        filled_volume(medium) > kCrowded)
-        note_crowding(medium);
-}
-
-void Resolver::note_crowding(const ResolvedMedium& medium) {
-    constexpr std::size_t kMostWavelengths = 9;  // the change is smooth; each takes 1 to 16 ms
-    const std::vector<double>& nm = medium.species.front().wavelength_nm;
-    std::vector<std::size_t> by_wavelength(nm.size());
-    std::iota(by_wavelength.begin(), by_wavelength.end(), 0);
-    std::sort(by_wavelength.begin(), by_wavelength.end(),
-              [&](std::size_t a, std::size_t b) { return nm[a] < nm[b]; });
-    const std::size_t count = std::min(nm.size(), kMostWavelengths);
-    std::vector<std::pair<double, double>> changes;  // with their wavelengths
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t w = by_wavelength[count > 1 ? i * (nm.size() - 1) / (count - 1) : 0];
-        if (const auto change = crowding(medium, w)) changes.emplace_back(*change, nm[w]);
-    }
-    if (changes.empty()) return;
-    const auto [least, most] = std::minmax_element(changes.begin(), changes.end());
-    const std::string range =
-        least == most ? fmt::format("{:.2g} times the reduced scattering at {} nm", least->first,
-                                    least->second)
-                      : fmt::format("{:.2g} ({} nm) to {:.2g} ({} nm) times the reduced scattering",
-                                    least->first, least->second, most->first, most->second);
-    add_once(notes_, fmt::format("{} fills {:.3g} % of the volume: independent scattering is "
-                                 "assumed; hard spheres would have {} (packing percus-yevick)",
-                                 describe(medium.medium), 100.0 * filled_volume(medium), range));
 }
 
 void Resolver::require_particles(const Layer& layer) {

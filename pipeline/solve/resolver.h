@@ -62,9 +62,7 @@ class Resolver {
     void leave_out_host(const HostAt& host, const std::vector<double>& wavelength_nm,
                         double optical_depth, const ResolvedMedium& medium);
     void note_strong_host(const HostAt& host, double k, double nm, const ResolvedMedium& medium);
-    /// @param packing  that is asked for; null: none
-    /// @throws UsageError  for a packing of what is not made of spheres, or lacks amounts
-    bool is_of_spheres(const ResolvedMedium& medium, const char* packing) const;
+    // crowded_medium.cpp
     void set_effective_host(ResolvedMedium& medium);
     void set_packing(ResolvedMedium& medium);
     void note_crowding(const ResolvedMedium& medium);

@@ -83,7 +83,7 @@ std::vector<std::string> ResultReport::shortfalls() const {
         if (is_polarisation_alone(report, tolerance)) {
             line += fmt::format(
                 ", but polarisation was left out, which may change values by up to {:.1g} of the "
-                "largest at that incidence (estimate): stokes 3 has it computed, but below rough "
+                "largest at that incidence (estimate): stokes 3 computes it, except below rough "
                 "boundaries; stokes 1 asks for light without it",
                 report.polarisation_left_out);
             continue;
@@ -149,12 +149,12 @@ std::vector<std::string> ResultReport::polarisation() const {
     } else if (shows || left_out > std::max(tolerance, kPromisedWithoutPolarisation)) {
         lines.push_back(fmt::format(
             "left out, although it shows: it may change values by up to {:.1g} of the largest at "
-            "that incidence (estimate; stokes 3 has it computed, but below rough boundaries)",
+            "that incidence (estimate; stokes 3 computes it, except below rough boundaries)",
             left_out));
     } else if (left_out > 0.0) {
         lines.push_back(fmt::format(
             "left out: it changes values by less than {:.1g} of the largest at that incidence "
-            "(estimate; stokes 3 has it computed)",
+            "(estimate; stokes 3 computes it)",
             left_out));
     }
     return lines;

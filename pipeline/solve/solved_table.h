@@ -143,11 +143,17 @@ struct SolvedTable {
     ResultReport report;
     /// Of a table for many directions: the one that it was made from.
     std::optional<BrdfTable> exact;
+
+    /// The table to ask from this incidence: `exact` below the second node, where a refracting
+    /// boundary lets next to nothing in and series are off relative to it; null: this one.
+    const BrdfTable* instead(double mu_in) const {
+        return exact && mu_in < SmoothPart::nodes()[1] ? &*exact : nullptr;
+    }
 };
 
 /// The same table for those who ask a million directions: light scattered once is in the azimuthal
 /// series too, wherever these hold it within a tenth of the tolerance (of the largest value at an
-/// incidence, measured between the nodes at mu_in > 0.001), so that a direction costs one sum of a
+/// incidence, measured halfway between nodes), so that a direction costs one sum of a
 /// series in place of angles, phase functions and Fresnel's equations at each wavelength. Rainbows,
 /// glories and thin layers seen at grazing angles stay exact. Mueller matrices are those of
 /// `exact`.

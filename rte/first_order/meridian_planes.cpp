@@ -44,18 +44,11 @@ OtherRay ray_back(double mu_in, double mu_out, double c, double s) {
     return {1.0, 0.0, mu_in * mu_out * cos_azimuth - sine_in * sine_out, -mu_in * sine_azimuth};
 }
 
+// Light that goes on is light that turns back, with the outgoing ray mirrored at the horizontal and
+// the azimuth counted from the other side.
 OtherRay ray_forward(double mu_in, double mu_out, double c, double s) {
-    const double sine_in = std::sqrt((1.0 - mu_in) * (1.0 + mu_in));
-    const double sine_out = std::sqrt((1.0 - mu_out) * (1.0 + mu_out));
-    const double sine_azimuth = 2.0 * s * c;
-    // The components are those of ray_back with both rays on one side: cos(azimuth) = 1 - 2 s^2.
-    const double sum = mu_in * sine_out + mu_out * sine_in;
-    const double skew = sum > 0.0 ? (mu_in - mu_out) * (mu_in + mu_out) / sum : 0.0;
-    const OtherRay ray{-skew + 2.0 * mu_in * sine_out * s * s, sine_out * sine_azimuth,
-                       skew + 2.0 * mu_out * sine_in * s * s, -sine_in * sine_azimuth};
-    if (ray.x_in * ray.x_in + ray.y_in * ray.y_in >= kStraight) return ray;
-    return {1.0, 0.0, mu_in * mu_out * (1.0 - 2.0 * s * s) + sine_in * sine_out,  // straight on
-            mu_in * sine_azimuth};
+    const OtherRay back = ray_back(mu_in, mu_out, s, c);
+    return {-back.x_in, back.y_in, -back.x_out, -back.y_out};
 }
 
 // F from the plane of scattering to the meridian planes.

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "pipeline/solve/parallel.h"
+#include "pipeline/solve/solved_table.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -175,6 +176,52 @@ TEST_CASE("colours of a table are the weighted sums of its wavelengths", "[pipel
             CHECK(mixed[c] == Approx(expected).epsilon(1e-6));
         }
     }
+}
+
+TEST_CASE("a table for many directions is the exact one within a tenth of the tolerance",
+          "[pipeline][table]") {
+    Scene pigment = scene_of("Fe2O3,radius=0.2,volume=15% in index:1.5");
+    pigment.boundary = rte::Boundary{};
+    Scene film = scene_of("isotropic:0.9", {"hg:0.9,0.6 in index:1.3@0.4"});
+    film.boundary = rte::Boundary{};
+    const bool is_film = GENERATE(false, true);
+    const double tolerance = 1e-3;
+    const BrdfTable exact =
+        solve(is_film ? film : pigment, {450, 600}, {.tolerance = tolerance}).table();
+    const BrdfTable fast = for_many_directions(exact, {});
+    CAPTURE(is_film);
+    // The series have taken light scattered once.
+    REQUIRE(fast.solved().sharp.front().is_empty());
+    const ColourWeights weights = {{0.1, 0.0, 0.9}, {0.8, 0.2, 0.0}};
+    const auto mix = fast.mix(weights);
+    for (const double mu_in : {3e-4, 2e-3, 0.02, 0.17, 0.5, 0.83, 1.0}) {
+        double largest = 0.0, difference = 0.0;
+        for (const double mu_out : {1e-3, 0.03, 0.21, 0.47, 0.8, 0.99}) {
+            for (const double azimuth_deg : {0.0, 7.0, 61.0, 118.0, 173.0, 180.0}) {
+                const Direction d{mu_in, mu_out, azimuth_deg};
+                const std::vector<double> expected = values_at(exact, d),
+                                          found = values_at(fast, d);
+                std::array<double, 3> mixed;
+                mix->evaluate({&d, 1}, mixed);
+                CHECK(mixed[2] == Approx(0.9 * found[0]).epsilon(1e-6));
+                for (std::size_t w = 0; w < found.size(); ++w) {
+                    largest = std::max(largest, expected[w]);
+                    const double off = std::abs(found[w] - expected[w]);
+                    if (!(off <= difference)) difference = off;
+                }
+            }
+        }
+        CAPTURE(mu_in);
+        CHECK(difference <= 0.1 * tolerance * largest);
+    }
+}
+
+TEST_CASE("rainbows of a table for many directions stay exact", "[pipeline][table]") {
+    const BrdfTable exact = solve(scene_of("index:1.33,1e-3,radius=20"), {550}).table();
+    const BrdfTable fast = for_many_directions(exact, {});
+    REQUIRE(!fast.solved().sharp.front().is_empty());
+    for (const Direction& d : random_directions(20, 0.02))
+        CHECK(values_at(fast, d)[0] == Approx(values_at(exact, d)[0]).epsilon(1e-12));
 }
 
 TEST_CASE("layers that do not show are not computed for a table either", "[pipeline][table]") {
