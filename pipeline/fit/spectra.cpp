@@ -109,11 +109,11 @@ bool is_same_spectrum(const Job::Use& a, const Job::Use& b) {
 std::vector<SolvedShare> parts_of(const Job& job, const Job::Reading& reading, double shift_nm) {
     if (!job.is_interpolated()) return {{reading.use, 1.0, 0.0}};
     const std::size_t begin = reading.use * job.wavelength_nm.size();
-    const int points = reading.band_width_nm > 0.0 ? kBandPoints : 1;
+    const int points = reading.band_width_nm > 0.0 ? kBandPoints : 1, middle = points / 2;
     std::vector<SolvedShare> parts;
     double sum = 0.0;
     for (int k = 0; k < points; ++k) {
-        const double off = 0.25 * (k - points / 2);  // in widths
+        const double off = 0.25 * (k - middle);  // in widths
         const double weight = std::exp(-4.0 * std::numbers::ln2 * off * off);
         const double nm =
             reading.wavelength_nm + reading.shift_nm + shift_nm + off * reading.band_width_nm;
