@@ -121,6 +121,9 @@ void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics&
 ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cutoff) {
     ForwardPeak split;
     split.first_degree = moments;
+    // Beside chi_0 = 1 the last moments of small spheres are rounding, whose signs mean nothing.
+    while (!chi.empty() && std::abs(chi.back()) <= std::numeric_limits<double>::epsilon())
+        chi = chi.first(chi.size() - 1);
     const int count = int(chi.size());
     if (count <= moments + 1) return split;
     if (is_geometric(chi)) {
