@@ -121,9 +121,6 @@ void scale_optics(const Optics& optics, int moments, bool delta_m, ScaledOptics&
 ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cutoff) {
     ForwardPeak split;
     split.first_degree = moments;
-    // Beside chi_0 = 1 the last moments of small spheres are rounding, whose signs mean nothing.
-    while (!chi.empty() && std::abs(chi.back()) <= std::numeric_limits<double>::epsilon())
-        chi = chi.first(chi.size() - 1);
     const int count = int(chi.size());
     if (count <= moments + 1) return split;
     if (is_geometric(chi)) {
@@ -136,8 +133,12 @@ ForwardPeak split_forward_peak(std::span<const double> chi, int moments, int cut
          Eigen::ArrayXd::LinSpaced(2 * kHalfWindow + 1, -kHalfWindow, kHalfWindow).square())
             .exp();
     const Eigen::Map<const Eigen::VectorXd> moment(chi.data(), count);
-    const Eigen::VectorXd logarithm = moment.unaryExpr(
-        [](double x) { return x > 0.0 ? std::log(x) : std::numeric_limits<double>::quiet_NaN(); });
+    // Beside chi_0 = 1 the last moments of small spheres are rounding, whose signs mean nothing.
+    const Eigen::VectorXd logarithm = moment.unaryExpr([](double x) {
+        return x > std::numeric_limits<double>::epsilon()
+                   ? std::log(x)
+                   : std::numeric_limits<double>::quiet_NaN();
+    });
 
     // The window at l: near the end it shrinks on both sides.
     const auto reach_at = [&](int l) { return std::min({kHalfWindow, l, count - 1 - l}); };
