@@ -77,5 +77,13 @@ def show_formula(writer: nodes.NodeVisitor, node: nodes.Element) -> None:
     raise nodes.SkipNode
 
 
+def keep_whole(app, name: str, template: str, context: dict, tree: nodes.document | None) -> None:
+    """Formulas in a line keep the brackets and stops beside them: no line begins with a comma."""
+    formula = r"\(?<math xmlns=\"[^\"]*\">(?:(?!</math>).)*</math>[,.;:)?]+"
+    if "body" in context:
+        context["body"] = re.sub(formula, r'<span class="whole">\g<0></span>', context["body"], flags=re.S)
+
+
 def setup(app) -> None:
+    app.connect("html-page-context", keep_whole)
     app.add_html_math_renderer("mathml", (show_formula, None), (show_formula, None))
