@@ -155,9 +155,8 @@ AlbedoValues albedo_of(const BrdfState& state, std::vector<LayerSlice> layers,
                        const std::vector<double>& mu_in) {
     const ResolvedScene& scene = state.resolved;
     if (scene.surface && !layers.empty()) {
-        const SurfaceOverAlbedos surface(scene, mu_in, layers.size());
-        run_parallel("surface", layers.size(), state.control,
-                     [&](std::size_t w) { surface.add_to(w, layers[w].values); });
+        const SurfaceOverAlbedos surface(scene, mu_in, all_wavelengths(scene), state.control);
+        for (std::size_t w = 0; w < layers.size(); ++w) surface.add_to(w, layers[w].values);
     }
     AlbedoValues values = albedo_values(std::move(layers), scene, mu_in, state.solver);
     values.tolerance = state.solver.tolerance;

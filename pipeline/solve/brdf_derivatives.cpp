@@ -149,13 +149,13 @@ WithDerivatives<AlbedoValues> BrdfDerivatives::albedo(const std::vector<double>&
         std::vector<LayerSlice> whole(layers.size());
         run_parallel("surface", layers.size(), brdf.control, [&](std::size_t w) {
             const SceneChange& change = state_->changes[c];
-            const auto [plus, minus] =
-                both_sides(layers[w], slopes[c][w], change, w,
-                           [&](LayerSlice layer, const ResolvedScene& scene) {
-                               if (scene.surface)
-                                   SurfaceOverAlbedos(scene, mu_in, 1).add_to(w, layer.values);
-                               return layer;
-                           });
+            const auto [plus, minus] = both_sides(
+                layers[w], slopes[c][w], change, w,
+                [&](LayerSlice layer, const ResolvedScene& scene) {
+                    if (scene.surface)
+                        SurfaceOverAlbedos(scene, mu_in, {w}, brdf.control).add_to(w, layer.values);
+                    return layer;
+                });
             const double apart = change.apart[w];
             whole[w].values = slope(plus.values, minus.values, apart);
             whole[w].transmittance = slope(plus.transmittance, minus.transmittance, apart);

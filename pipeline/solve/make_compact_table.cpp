@@ -96,12 +96,13 @@ void add_series(const std::vector<double>& samples, double factor, std::vector<d
     const std::size_t n = samples.size() - 1;
     const std::size_t orders = std::min<std::size_t>(n, kMostSingleOrders);
     if (series.size() < orders) series.resize(orders, 0.0);
+    std::vector<double> cosine(2 * n);
+    for (std::size_t j = 0; j < 2 * n; ++j)
+        cosine[j] = std::cos(std::numbers::pi * double(j) / double(n));
     for (std::size_t m = 0; m < orders; ++m) {
         double sum = 0.0;
-        for (std::size_t j = 0; j <= n; ++j) {
-            sum += (j == 0 || j == n ? 0.5 : 1.0) * samples[j] *
-                   std::cos(std::numbers::pi * double((m * j) % (2 * n)) / double(n));
-        }
+        for (std::size_t j = 0; j <= n; ++j)
+            sum += (j == 0 || j == n ? 0.5 : 1.0) * samples[j] * cosine[(m * j) % (2 * n)];
         series[m] += factor * (m == 0 ? 1.0 : 2.0) / double(n) * sum;
     }
 }

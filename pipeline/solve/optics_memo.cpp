@@ -88,6 +88,19 @@ void OpticsMemo::keep(const std::string& hash, const MediumOptics& optics, std::
     known_.emplace(hash, std::make_shared<const MediumOptics>(optics));
 }
 
+std::optional<std::vector<double>> OpticsMemo::find_numbers(const std::string& hash) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = numbers_.find(hash);
+    return known == numbers_.end() ? std::nullopt : std::optional(known->second);
+}
+
+void OpticsMemo::keep_numbers(const std::string& hash, std::vector<double> numbers) {
+    const std::lock_guard lock(mutex_);
+    const std::size_t bytes = sizeof(double) * numbers.size();
+    if (bytes > free_bytes_ || !numbers_.emplace(hash, std::move(numbers)).second) return;
+    free_bytes_ -= bytes;
+}
+
 int OpticsMemo::found() const {
     const std::lock_guard lock(mutex_);
     return found_;
@@ -125,6 +138,19 @@ MediumOptics remembered_optics(const Control& control, const std::string& hash,
     }
     if (control.memo != nullptr) control.memo->keep(hash, optics);
     return optics;
+}
+
+std::vector<double> remembered_numbers(const Control& control, const std::string& hash,
+                                       const std::function<std::vector<double>()>& compute) {
+    auto numbers = control.memo != nullptr ? control.memo->find_numbers(hash) : std::nullopt;
+    if (numbers) return *numbers;
+    if (control.cache != nullptr) numbers = control.cache->find(hash);
+    if (!numbers) {
+        numbers = compute();
+        if (control.cache != nullptr) control.cache->store(hash, *numbers);
+    }
+    if (control.memo != nullptr) control.memo->keep_numbers(hash, *numbers);
+    return *numbers;
 }
 
 }  // namespace miebrdf

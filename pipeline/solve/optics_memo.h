@@ -48,6 +48,9 @@ class OpticsMemo {
     std::shared_ptr<const MediumOptics> find(const std::string& hash);
     void keep(const std::string& hash, const MediumOptics& optics);
     void keep(const std::string& hash, const MediumOptics& optics, std::size_t bytes);
+    /// Rows of numbers that take long to compute and are asked for again, as a surface's shares.
+    std::optional<std::vector<double>> find_numbers(const std::string& hash) const;
+    void keep_numbers(const std::string& hash, std::vector<double> numbers);
     int found() const;               ///< how often something was there
     std::size_t free_bytes() const;  ///< what is not kept for lack of room is computed again
     NamedIndexMemo& names() { return names_; }  ///< n and k: small, so not counted
@@ -66,6 +69,7 @@ class OpticsMemo {
   private:
     mutable std::mutex mutex_;
     std::map<std::string, std::shared_ptr<const MediumOptics>> known_;
+    std::map<std::string, std::vector<double>> numbers_;
     std::size_t free_bytes_;
     std::shared_ptr<OpticsStore> shared_;
     int found_ = 0;
@@ -81,5 +85,10 @@ std::shared_ptr<rte::RoughBoundaries> rough_boundaries_of(const Control& control
 /// @param hash  optics_hash
 MediumOptics remembered_optics(const Control& control, const std::string& hash,
                                const std::function<MediumOptics()>& compute);
+
+/// Numbers from where they are known: the memo, or the cache; else computed and kept in both.
+/// @param hash  of everything that they depend on
+std::vector<double> remembered_numbers(const Control& control, const std::string& hash,
+                                       const std::function<std::vector<double>()>& compute);
 
 }  // namespace miebrdf

@@ -12,6 +12,7 @@
 #include "pipeline/solve/checks.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
+#include "pipeline/solve/surface_part.h"
 #include "rte/boundary/rough_boundaries.h"
 #include "rte/stack/layered_reflection.h"
 
@@ -46,7 +47,7 @@ std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, const 
     run_parallel("radiative transfer", count, control, [&](std::size_t w) {
         rte::SolutionMemory memory = rte::memory_with(boundaries);
         solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
-                          state.components > 1, memory);
+                          state.components > 1, memory, control);
     });
     std::vector<SolvedWavelength> wavelengths;
     wavelengths.reserve(solved.size());
@@ -80,7 +81,7 @@ const Directions& probe_directions() {
 SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
                                    const SceneOptics& optics, const SolverOptions& solver,
                                    BrdfPart part, const LightChoice& light, bool whole_matrix,
-                                   rte::SolutionMemory& memory) {
+                                   rte::SolutionMemory& memory, const Control& control) {
     report_.converged = report_.solver.converged = true;
     if (part == BrdfPart::surface) {
         // Nothing of the layers is wanted.
@@ -91,11 +92,10 @@ SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
     report_.wavelength_nm = scene.wavelength_nm[w];
     if (scene.surface && part != BrdfPart::subsurface) {
         lobe_.emplace(scene.surface_index[w], *scene.surface);
-        const rte::SurfaceTransmission transmission(*lobe_, scene.coupling);
-        for (const double mu : SmoothPart::nodes()) {
-            factor_in_.push_back(transmission.in(mu));
-            factor_out_.push_back(transmission.out(mu));
-        }
+        SurfacePart shares = surface_part(scene, w, {SmoothPart::nodes(), SmoothPart::nodes(), {}},
+                                          SurfaceDemand::whole, control);
+        factor_in_ = std::move(shares.in);
+        factor_out_ = std::move(shares.out);
         smooth_.scale(factor_in_, factor_out_);
     }
 }

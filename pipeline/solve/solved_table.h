@@ -32,7 +32,7 @@ class SolvedWavelength {
     /// @param whole_matrix  the other elements are wanted too
     SolvedWavelength(const ResolvedScene& scene, std::size_t w, const SceneOptics& optics,
                      const SolverOptions& solver, BrdfPart part, const LightChoice& light,
-                     bool whole_matrix, rte::SolutionMemory& memory);
+                     bool whole_matrix, rte::SolutionMemory& memory, const Control& control);
 
     /// The surface's transmission included.
     const SmoothPart& smooth() const { return smooth_; }

@@ -1,14 +1,17 @@
 #include "pipeline/solve/surface_part.h"
 
+#include <mutex>
 #include <optional>
 
 #include <miebrdf/surface.h>
 #include "pipeline/cache/job_key.h"
 #include "pipeline/cache/packed_numbers.h"
-#include "pipeline/cache/result_cache.h"
 #include "pipeline/solve/distinct_directions.h"
+#include "pipeline/solve/optics_memo.h"
+#include "pipeline/solve/parallel.h"
 #include "pipeline/solve/rules.h"
 #include "rte/math/quadrature.h"
+#include "rte/surface/reflectance_table.h"
 
 namespace miebrdf {
 namespace {
@@ -53,22 +56,19 @@ SurfacePart compute(const ResolvedScene& scene, std::size_t w, const Directions&
 
 SurfacePart looked_up(const ResolvedScene& scene, std::size_t w, const Directions& d,
                       SurfaceDemand demand, const Control& control) {
-    if (control.cache == nullptr) return compute(scene, w, d, demand);
     JobKey key("surface");
     add_surface(key, scene, w);
-    const std::string hash = key.add(demand).add(d).hash();
-    if (const auto known = control.cache->find(hash)) {
-        NumberUnpacker unpacker(*known);
-        SurfacePart part;
-        auto& [lobe, in, out] = part;
-        unpacker.read(lobe);
-        unpacker.read(in);
-        unpacker.read(out);
-        return part;
-    }
-    SurfacePart part = compute(scene, w, d, demand);
-    const auto& [lobe, in, out] = part;
-    control.cache->store(hash, NumberPacker().add(lobe).add(in).add(out).numbers());
+    SurfacePart part;
+    auto& [lobe, in, out] = part;
+    const std::vector<double> numbers =
+        remembered_numbers(control, key.add(demand).add(d).hash(), [&] {
+            const SurfacePart made = compute(scene, w, d, demand);
+            return NumberPacker().add(made.lobe).add(made.in).add(made.out).take();
+        });
+    NumberUnpacker unpacker(numbers);
+    unpacker.read(lobe);
+    unpacker.read(in);
+    unpacker.read(out);
     return part;
 }
 
@@ -99,11 +99,29 @@ SurfacePart surface_part(const ResolvedScene& scene, std::size_t w, const Direct
 }
 
 SurfaceOverAlbedos::SurfaceOverAlbedos(const ResolvedScene& scene, const std::vector<double>& mu_in,
-                                       std::size_t wavelengths)
-    : scene_(scene), reflectances_(*scene.surface, with_nodes_of_mean(mu_in), wavelengths) {}
+                                       const std::vector<std::size_t>& wavelengths,
+                                       const Control& control)
+    : rho_(scene.surface_index.size()) {
+    const std::vector<double> cosines = with_nodes_of_mean(mu_in);
+    std::optional<rte::ReflectanceTable> table;  // made where not all are known
+    std::once_flag is_made;
+    const auto find = [&](std::size_t k) {
+        JobKey key("surface over albedos");
+        key.add(scene.surface_index[wavelengths[k]]).add(*scene.surface).add(cosines);
+        rho_[wavelengths[k]] = remembered_numbers(control, key.hash(), [&] {
+            std::call_once(is_made,
+                           [&] { table.emplace(*scene.surface, cosines, wavelengths.size()); });
+            return table->at(scene.surface_index[wavelengths[k]]);
+        });
+    };
+    if (wavelengths.size() == 1)
+        find(0);
+    else
+        run_parallel("surface", wavelengths.size(), control, find);
+}
 
 void SurfaceOverAlbedos::add_to(std::size_t w, std::vector<double>& albedos) const {
-    const std::vector<double> rho = reflectances_.at(scene_.surface_index[w]);
+    const std::vector<double>& rho = rho_[w];
     const std::size_t asked = rho.size() - kNodesOfMean;
     for (std::size_t i = 0; i < asked; ++i) albedos[i] = with_surface(rho[i], albedos[i]);
     const math::Quadrature rule = math::gauss_legendre(kNodesOfMean, 0.0, 1.0);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "pipeline/solve/resolved_scene.h"
-#include "rte/surface/reflectance_table.h"
 
 namespace miebrdf {
 
@@ -25,7 +24,7 @@ enum class SurfaceDemand {
     whole,  ///< and what the surface lets in and out, an integral for each cosine
 };
 
-/// Looked up in control.cache, else computed and stored there; repeated directions are computed
+/// Remembered (remembered_numbers); repeated directions are computed
 /// once, and the lobe at half of the pairs where mu_in and mu_out are the same list.
 SurfacePart surface_part(const ResolvedScene& scene, std::size_t w, const Directions& directions,
                          SurfaceDemand demand, const Control& control);
@@ -33,10 +32,10 @@ SurfacePart surface_part(const ResolvedScene& scene, std::size_t w, const Direct
 /// Albedos of the layers as those of the whole, as eq. (5) adds them: rho + (1 - rho) A.
 class SurfaceOverAlbedos {
   public:
-    /// Of a scene with a surface, which must outlive this.
-    /// @param wavelengths  so many will be asked for
+    /// Of a scene with a surface.
+    /// @param wavelengths  those that will be asked for
     SurfaceOverAlbedos(const ResolvedScene& scene, const std::vector<double>& mu_in,
-                       std::size_t wavelengths);
+                       const std::vector<std::size_t>& wavelengths, const Control& control);
 
     /// @param albedos  plane albedos at mu_in, then the spherical albedo, of the light that the
     ///                 surface lets in, counting what gets out again
@@ -44,8 +43,7 @@ class SurfaceOverAlbedos {
     void add_to(std::size_t w, std::vector<double>& albedos) const;
 
   private:
-    const ResolvedScene& scene_;
-    rte::ReflectanceTable reflectances_;  ///< of mu_in, then of the nodes of the mean
+    std::vector<std::vector<double>> rho_;  ///< [wavelength], of mu_in, then the mean's nodes
 };
 
 }  // namespace miebrdf

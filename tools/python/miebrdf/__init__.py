@@ -36,6 +36,7 @@ from ._media import coat, lambertian, media_forms, medium  # noqa: E402
 from ._mie import Ensemble, Sphere, amplitudes, coefficients, ensemble, phase, sphere  # noqa: E402
 from ._options import set_options  # noqa: E402
 from ._scene import Scene  # noqa: E402
+from ._studio import Studio, studio  # noqa: E402
 from ._tables import LookedUp, lookup  # noqa: E402
 from ._version import __version__  # noqa: E402
 from .errors import (  # noqa: E402
@@ -77,6 +78,7 @@ __all__ = [
     "Report",
     "Scene",
     "Sphere",
+    "Studio",
     "Substrate",
     "TooCoarse",
     "UnknownMaterial",
@@ -104,6 +106,7 @@ __all__ = [
     "read_measured",
     "set_options",
     "sphere",
+    "studio",
     "subsurface_albedo",
     "subsurface_colour",
 ]
