@@ -5,12 +5,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 
 #include "materials/database/layer.h"
 #include "materials/database/names.h"
 #include "materials/database/schema.h"
+#include "materials/database/user_file.h"
 #include "materials/index/mixing_rules.h"
 #include "materials/index/oscillators.h"
 
@@ -28,11 +28,6 @@ void fill_from(MaterialInfo& info, const DatasetInfo& dataset) {
     info.k_known = dataset.k_known;
     info.density_g_cm3 = dataset.density_g_cm3;
     info.density_source = dataset.density_source;
-}
-
-std::filesystem::path from_environment(const char* name) {
-    const char* value = std::getenv(name);
-    return value == nullptr ? "" : value;
 }
 
 }  // namespace
@@ -216,13 +211,7 @@ MaterialInfo Database::info(const std::string& name) const {
 
 std::filesystem::path default_user_database() {
     if (auto chosen = from_environment("MIEBRDF_DATABASE"); !chosen.empty()) return chosen;
-    const auto below = std::filesystem::path("miebrdf") / "materials.sqlite";
-    // The XDG base directory specification asks to ignore relative paths.
-    if (const auto data = from_environment("XDG_DATA_HOME"); data.is_absolute())
-        return data / below;
-    const auto home = from_environment("HOME");
-    return (home.empty() ? std::filesystem::temp_directory_path() : home / ".local" / "share") /
-           below;
+    return user_file("XDG_DATA_HOME", ".local/share", "materials.sqlite");
 }
 
 }  // namespace miebrdf::materials

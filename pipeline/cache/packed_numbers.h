@@ -1,4 +1,4 @@
-// Results as a row of numbers and back, for the cache.
+// Values as a row of numbers and back, for the cache and for pickles.
 #pragma once
 
 #include <complex>
@@ -21,6 +21,12 @@ class NumberPacker {
     NumberPacker& add(const std::vector<double>& numbers);
     NumberPacker& add(const std::string& text);
     NumberPacker& add(std::complex<double> value) { return add(value.real()).add(value.imag()); }
+    template <typename T>
+    NumberPacker& add(const std::vector<T>& list) {
+        add(list.size());
+        for (const T& value : list) add(value);
+        return *this;
+    }
     template <typename T>
     NumberPacker& add(const std::optional<T>& value) {
         add(value.has_value());
@@ -53,6 +59,11 @@ class NumberUnpacker {
     void read(std::vector<double>& numbers);
     void read(std::string& text);
     void read(std::complex<double>& value);
+    template <typename T>
+    void read(std::vector<T>& list) {
+        list.resize(count());
+        for (T& value : list) read(value);
+    }
     template <typename T>
     void read(std::optional<T>& value) {
         bool given = false;

@@ -3,7 +3,6 @@
 #include <miebrdf/control.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <fstream>
@@ -11,6 +10,7 @@
 
 #include <miebrdf/database.h>
 #include "materials/database/sqlite.h"
+#include "materials/database/user_file.h"
 #include "materials/index/checksum.h"
 
 namespace miebrdf {
@@ -69,14 +69,7 @@ struct ResultCache::Database {
 };
 
 fs::path ResultCache::default_file() {
-    const auto folder = [](const char* name) -> fs::path {
-        const char* value = std::getenv(name);
-        return value == nullptr ? "" : value;
-    };
-    const fs::path below = fs::path("miebrdf") / "results.sqlite";
-    if (const fs::path cache = folder("XDG_CACHE_HOME"); cache.is_absolute()) return cache / below;
-    const fs::path home = folder("HOME");
-    return home.empty() ? fs::temp_directory_path() / below : home / ".cache" / below;
+    return materials::user_file("XDG_CACHE_HOME", ".cache", "results.sqlite");
 }
 
 ResultCache::ResultCache(const fs::path& file, std::int64_t limit_bytes)

@@ -190,11 +190,7 @@ class FitFile : TomlFile {
     }
 
     std::vector<SceneText> scene_of(const toml::table& table) const {
-        std::vector<std::string> known;
-        for (const SceneWord& word : scene_words()) {
-            if (word.name != "wavelengths") known.push_back(word.name);
-        }
-        check_keys(table, known, "word");
+        check_keys(table, scene_word_names("wavelengths"), "word");
         std::vector<SceneText> words;
         for (const auto& [name, node] : in_order(table)) {
             SceneText word{name, {}};

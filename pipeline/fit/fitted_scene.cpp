@@ -12,15 +12,10 @@
 #include "pipeline/fit/derived.h"
 #include "pipeline/fit/model.h"
 #include "pipeline/fit/problem.h"
+#include "pipeline/scene/scene_words.h"
 
 namespace miebrdf::fitting {
 namespace {
-
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
-    return out + '"';
-}
 
 /// With the fitted values in its gaps. @param nm  of those that differ between
 /// wavelengths
@@ -51,14 +46,10 @@ std::string filled(const std::string& text, const FitProblem& problem, const Fit
 
 std::string word_line(const TemplateWord& word, const FitProblem& problem, const FitResult& result,
                       double nm) {
-    const SceneWord& known = *find_scene_word(word.name);
-    if (known.kind == WordKind::flag) return fmt::format("{} = true\n", word.name);
-    std::vector<std::string> values;
+    std::vector<WordValue> values;
     for (const WordValue& value : word.values)
-        values.push_back(quoted(filled(text_of(value), problem, result, nm)));
-    if (values.size() == 1 && known.kind == WordKind::single)
-        return fmt::format("{} = {}\n", word.name, values[0]);
-    return fmt::format("{} = [{}]\n", word.name, fmt::join(values, ", "));
+        values.emplace_back(filled(text_of(value), problem, result, nm));
+    return toml_of(*find_scene_word(word.name), values) + "\n";
 }
 
 std::string list_line(const char* name, const std::set<double>& numbers) {

@@ -10,6 +10,7 @@
 #include "pipeline/fit/measured_values.h"
 #include "pipeline/fit/problem.h"
 #include "pipeline/fit/unknowns.h"
+#include "pipeline/scene/scene_words.h"
 
 namespace miebrdf {
 namespace fitting {
@@ -17,22 +18,11 @@ namespace {
 
 bool is_lab(const MeasuredValue& value) { return value.quantity >= MeasuredQuantity::lab_l; }
 
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
-    return out + '"';
-}
-
 std::string words_text(const std::vector<SceneText>& scene, const char* separator) {
     std::vector<std::string> lines;
     for (const SceneText& word : scene) {
-        const bool is_flag = find_scene_word(word.word)->kind == WordKind::flag;
-        std::vector<std::string> values;
-        for (const std::string& value : word.values)
-            values.push_back(is_flag ? value : quoted(value));
-        lines.push_back(values.size() == 1
-                            ? fmt::format("{} = {}", word.word, values[0])
-                            : fmt::format("{} = [{}]", word.word, fmt::join(values, ", ")));
+        const std::vector<WordValue> values(word.values.begin(), word.values.end());
+        lines.push_back(toml_of(*find_scene_word(word.word), values));
     }
     return fmt::format("{}", fmt::join(lines, separator));
 }
@@ -151,9 +141,10 @@ std::string match_text(const MatchProblem& problem, const std::vector<double>& n
         for (const MatchColour& colour : target.colours) {
             const MeasuredOptions& o = target.options;
             text += fmt::format("\n[[target]]\nname = {}\nlab = [{}, {}, {}]\nlight = {}\n",
-                                quoted(target.name), colour.lab.l, colour.lab.a, colour.lab.b,
-                                quoted(colour.light));
-            if (!o.quantity.empty()) text += fmt::format("quantity = {}\n", quoted(o.quantity));
+                                toml_quoted(target.name), colour.lab.l, colour.lab.a, colour.lab.b,
+                                toml_quoted(colour.light));
+            if (!o.quantity.empty())
+                text += fmt::format("quantity = {}\n", toml_quoted(o.quantity));
             const auto add = [&](const char* key, const std::optional<double>& number) {
                 if (number) text += fmt::format("{} = {}\n", key, *number);
             };

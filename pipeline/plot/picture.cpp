@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <miebrdf/error.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -69,22 +70,17 @@ void save_picture(const Picture& picture, const std::string& path, double scale)
     file.commit();
 }
 
-namespace {
-
 std::string big_endian(std::uint32_t value) {
     return {static_cast<char>(value >> 24), static_cast<char>(value >> 16),
             static_cast<char>(value >> 8), static_cast<char>(value)};
 }
 
-}  // namespace
-
-std::uint32_t crc32(std::string_view bytes) {
-    std::uint32_t crc = 0xffffffffu;
-    for (const char byte : bytes) {
-        crc ^= static_cast<unsigned char>(byte);
-        for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) != 0 ? 0xedb88320u : 0u);
-    }
-    return ~crc;
+std::string png_chunk(const std::string& name, const std::string& data) {
+    const std::string body = name + data;
+    const auto size = static_cast<uInt>(body.size());
+    return big_endian(static_cast<std::uint32_t>(data.size())) + body +
+           big_endian(static_cast<std::uint32_t>(
+               crc32(0, reinterpret_cast<const Bytef*>(body.data()), size)));
 }
 
 void add_png_text(std::string& png, const std::string& keyword, const std::string& text) {
@@ -96,9 +92,7 @@ void add_png_text(std::string& png, const std::string& keyword, const std::strin
     }
     if (text.empty()) return;
     // Keyword, its end, not compressed (two bytes), no language, no translated keyword, the text.
-    const std::string chunk = "iTXt" + keyword + std::string(5, '\0') + text;
-    const std::string length = big_endian(static_cast<std::uint32_t>(chunk.size() - 4));
-    png.insert(kHeaderEnd, length + chunk + big_endian(crc32(chunk)));
+    png.insert(kHeaderEnd, png_chunk("iTXt", keyword + std::string(5, '\0') + text));
 }
 
 }  // namespace miebrdf::plot

@@ -38,7 +38,9 @@ bool png_is_available();
 /// @throws std::invalid_argument  when the bytes do not begin like a PNG file
 void add_png_text(std::string& png, const std::string& keyword, const std::string& text);
 
-/// CRC-32 of the PNG specification, annex D.
-std::uint32_t crc32(std::string_view bytes);
+/// A number as PNG has it.
+std::string big_endian(std::uint32_t value);
+/// A chunk of PNG: length, name, data and their checksum.
+std::string png_chunk(const std::string& name, const std::string& data);
 
 }  // namespace miebrdf::plot

@@ -13,17 +13,6 @@
 namespace miebrdf::plot {
 namespace {
 
-std::string big_endian_bytes(std::uint32_t value) {
-    return {static_cast<char>(value >> 24), static_cast<char>(value >> 16),
-            static_cast<char>(value >> 8), static_cast<char>(value)};
-}
-
-void add_chunk(std::string& png, const std::string& name, const std::string& data) {
-    const std::string body = name + data;
-    png += big_endian_bytes(static_cast<std::uint32_t>(data.size())) + body +
-           big_endian_bytes(miebrdf::plot::crc32(body));
-}
-
 /// "#440154" as three bytes.
 std::string bytes_of(const std::string& colour) {
     std::string bytes;
@@ -72,8 +61,8 @@ void PixelMap::set(int x, int y, const Axis& axis, double value) {
 }
 
 std::string PixelMap::png() const {
-    std::string header = big_endian_bytes(static_cast<std::uint32_t>(width_)) +
-                         big_endian_bytes(static_cast<std::uint32_t>(height_));
+    std::string header = big_endian(static_cast<std::uint32_t>(width_)) +
+                         big_endian(static_cast<std::uint32_t>(height_));
     header += std::string("\x08\x03\x00\x00\x00", 5);  // 8 bits, palette, no interlacing
     std::string rows;
     for (int y = 0; y < height_; ++y) {
@@ -81,13 +70,9 @@ std::string PixelMap::png() const {
         rows.append(reinterpret_cast<const char*>(pixels_.data() + place(0, y)),
                     static_cast<std::size_t>(width_));
     }
-    std::string png = "\x89PNG\r\n\x1a\n";
-    add_chunk(png, "IHDR", header);
-    add_chunk(png, "PLTE", palette());
-    add_chunk(png, "tRNS", std::string(kNothing, '\xff') + '\0');
-    add_chunk(png, "IDAT", deflated(rows));
-    add_chunk(png, "IEND", "");
-    return png;
+    return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("PLTE", palette()) +
+           png_chunk("tRNS", std::string(kNothing, '\xff') + '\0') +
+           png_chunk("IDAT", deflated(rows)) + png_chunk("IEND", "");
 }
 
 void PixelMap::draw(SvgDrawing& drawing, Point corner, double width, double height) const {

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdint>
 
+#include "materials/readers/text.h"
 #include "pipeline/io/markup.h"
 
 namespace miebrdf::plot {
@@ -57,22 +58,6 @@ std::string list(const std::vector<Point>& points) {
     return text;
 }
 
-/// RFC 4648, section 4.
-std::string base64(const std::string& bytes) {
-    constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t group = 0;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const bool there = i + j < bytes.size();
-            group = group << 8 | (there ? static_cast<unsigned char>(bytes[i + j]) : 0u);
-        }
-        for (std::size_t j = 0; j < 4; ++j)
-            text += i + j <= bytes.size() ? kLetters[group >> (18 - 6 * j) & 63] : '=';
-    }
-    return text;
-}
-
 }  // namespace
 
 SvgDrawing::SvgDrawing(double width, double height) : width_(width), height_(height) {}
@@ -105,7 +90,7 @@ void SvgDrawing::image(Point corner, double width, double height, const std::str
     body_ += fmt::format(
         "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
         "preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64,{}\"/>\n",
-        corner.x, corner.y, width, height, base64(png));
+        corner.x, corner.y, width, height, materials::base64(png));
 }
 
 void SvgDrawing::frame(Point corner, double width, double height, const Stroke& stroke) {

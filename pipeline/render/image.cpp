@@ -1,6 +1,7 @@
 #include "pipeline/render/image.h"
 
 #include <fmt/format.h>
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 #include <png.h>
 
@@ -268,10 +269,6 @@ bool write_all(const Writer& writer, const Image& size, const PictureNotes& note
 }
 
 }  // namespace
-
-double encode_srgb(double linear) {
-    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
 
 Image read_grey_png(const std::string& path) {
     if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file", path));

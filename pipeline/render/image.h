@@ -52,7 +52,4 @@ void write_exr(const Image& image, const std::vector<std::string>& channel_names
 /// @throws InputError  when the file is missing, damaged or in XYZE
 Image read_hdr(const std::string& path);
 
-/// The sRGB transfer function (IEC 61966-2-1), linear [0, 1] to [0, 1].
-double encode_srgb(double linear);
-
 }  // namespace miebrdf::render

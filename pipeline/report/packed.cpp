@@ -9,6 +9,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "materials/readers/text.h"
+
 namespace miebrdf::report {
 namespace {
 
@@ -25,21 +27,6 @@ std::vector<int> rounded_to(const Eigen::VectorXd& values, double unit) {
 }
 
 }  // namespace
-
-std::string base64(std::span<const unsigned char> bytes) {
-    static constexpr char kLetters[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-        std::uint32_t three = 0;
-        for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (k < count ? bytes[i + k] : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += k <= count ? kLetters[three >> (18 - 6 * k) & 63] : '=';
-    }
-    return text;
-}
 
 nlohmann::json PageBytes::add(std::span<const double> values) {
     while (bytes_.size() % sizeof(float) != 0) bytes_.push_back(0);
@@ -113,7 +100,7 @@ std::string PageBytes::compressed(const nlohmann::json& root) const {
     if (compress2(packed.data(), &size, all.data(), static_cast<uLong>(all.size()), 9) != Z_OK)
         throw std::runtime_error("zlib cannot compress the page's numbers");
     packed.resize(size);
-    return base64(packed);
+    return materials::base64({reinterpret_cast<const char*>(packed.data()), packed.size()});
 }
 
 }  // namespace miebrdf::report

@@ -11,9 +11,6 @@
 
 namespace miebrdf::report {
 
-/// RFC 4648, with padding.
-std::string base64(std::span<const unsigned char> bytes);
-
 class PageBytes {
   public:
     /// Appends single-precision numbers. @return {"f32": [offset, count]}

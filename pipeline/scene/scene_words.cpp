@@ -77,6 +77,14 @@ const SceneWord* find_scene_word(std::string_view name) {
     return nullptr;
 }
 
+std::vector<std::string> scene_word_names(std::string_view without) {
+    std::vector<std::string> names;
+    for (const SceneWord& word : scene_words()) {
+        if (word.name != without) names.push_back(word.name);
+    }
+    return names;
+}
+
 void apply(const SceneWord& word, std::span<const WordValue> values, Request& request) {
     word.set(word, without_names(word, values, request.scene), request);
 }
@@ -115,6 +123,22 @@ std::string text_of(const WordValue& value) {
     if (const auto* text = std::get_if<std::string>(&value)) return *text;
     if (const auto* given = std::get_if<double>(&value)) return fmt::format("{}", *given);
     return std::get<bool>(value) ? "true" : "false";
+}
+
+std::string toml_quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+    return out + '"';
+}
+
+std::string toml_of(const SceneWord& word, std::span<const WordValue> values) {
+    std::vector<std::string> texts;
+    texts.reserve(values.size());
+    for (const WordValue& value : values)
+        texts.push_back(word.kind == WordKind::flag ? text_of(value) : toml_quoted(text_of(value)));
+    return texts.size() == 1 && word.kind != WordKind::repeated
+               ? fmt::format("{} = {}", word.name, texts[0])
+               : fmt::format("{} = [{}]", word.name, fmt::join(texts, ", "));
 }
 
 std::complex<double> parse_index(std::span<const WordValue> values, const std::string& what) {

@@ -43,6 +43,9 @@ const std::vector<SceneWord>& scene_words();
 /// Null if there is none of this name.
 const SceneWord* find_scene_word(std::string_view name);
 
+/// The names of all words but one.
+std::vector<std::string> scene_word_names(std::string_view without = "");
+
 /// Sets what a word says. Values of a list may come one by one or as one text with commas.
 /// @throws UsageError  for values of the wrong kind or number, and for those that no scene can have
 /// @throws InputError  for a file that a medium names
@@ -55,6 +58,11 @@ std::string with_files_in(const std::string& text, const std::string& folder);
 
 /// The value as somebody would type it; numbers in the shortest form that reads back to the same.
 std::string text_of(const WordValue& value);
+
+/// A text between double quotes, for TOML.
+std::string toml_quoted(const std::string& text);
+/// What a scene file says with this word: `name = "value"`, `name = ["a", "b"]`, `name = true`.
+std::string toml_of(const SceneWord& word, std::span<const WordValue> values);
 
 /// How a MEDIUM is written, for help texts: "NAME, index:N,K, ..., hg:ALBEDO,G; particles may ...".
 std::string forms_of_media();

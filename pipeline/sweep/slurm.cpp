@@ -4,18 +4,9 @@
 
 #include <filesystem>
 
+#include "materials/readers/text.h"
+
 namespace miebrdf::sweep {
-namespace {
-
-/// In single quotes for a shell.
-std::string quoted(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
-
-}  // namespace
-
 std::string slurm_script(const std::string& sweep_file, const std::string& table,
                          std::size_t parts) {
     const std::string stem = std::filesystem::path(table).stem().string();
@@ -42,8 +33,10 @@ fi
 exec miebrdf sweep "$sweep" -o "$table" --part "$SLURM_ARRAY_TASK_ID/{parts}" \
     --threads "${{SLURM_CPUS_PER_TASK:-1}}"
 )",
-                       fmt::arg("parts", parts), fmt::arg("name", quoted("sweep-" + stem)),
-                       fmt::arg("sweep", quoted(sweep_file)), fmt::arg("table", quoted(table)));
+                       fmt::arg("parts", parts),
+                       fmt::arg("name", materials::shell_quoted("sweep-" + stem)),
+                       fmt::arg("sweep", materials::shell_quoted(sweep_file)),
+                       fmt::arg("table", materials::shell_quoted(table)));
 }
 
 }  // namespace miebrdf::sweep

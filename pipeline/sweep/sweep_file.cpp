@@ -20,14 +20,6 @@ constexpr char kKind[] = "sweep file";
 const std::vector<std::string> kKeys = {"title",   "scene",   "axes",  "outputs", "units",
                                         "combine", "viewing", "chunk", "layout",  "derivatives"};
 
-std::vector<std::string> names_of_words() {
-    std::vector<std::string> names;
-    for (const SceneWord& word : scene_words()) {
-        if (word.name != "wavelengths") names.push_back(word.name);
-    }
-    return names;
-}
-
 class SweepFile : TomlFile {
   public:
     explicit SweepFile(const std::string& path) : SweepFile(path, read_toml_text(kKind, path)) {}
@@ -210,7 +202,7 @@ class SweepFile : TomlFile {
             }
             if (find_scene_word(name) == nullptr)
                 refuse_word(node->source(), fmt::format("unknown word '{}'", name), name,
-                            names_of_words());
+                            scene_word_names("wavelengths"));
             TemplateWord word{name, {}, located(node->source(), "")};
             if (const toml::array* list = node->as_array()) {
                 for (const toml::node& item : *list) word.values.push_back(word_value(item));

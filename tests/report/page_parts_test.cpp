@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "materials/readers/text.h"
 #include "pipeline/report/packed.h"
 #include "pipeline/report/report_data.h"
 #include "tests/support/catch.h"
@@ -9,15 +10,11 @@
 using namespace miebrdf;
 
 TEST_CASE("base64 is that of RFC 4648, section 10", "[report]") {
-    const auto of = [](const std::string& text) {
-        const std::vector<unsigned char> bytes(text.begin(), text.end());
-        return report::base64(bytes);
-    };
-    CHECK(of("") == "");
-    CHECK(of("f") == "Zg==");
-    CHECK(of("fo") == "Zm8=");
-    CHECK(of("foo") == "Zm9v");
-    CHECK(of("foobar") == "Zm9vYmFy");
+    CHECK(materials::base64("") == "");
+    CHECK(materials::base64("f") == "Zg==");
+    CHECK(materials::base64("fo") == "Zm8=");
+    CHECK(materials::base64("foo") == "Zm9v");
+    CHECK(materials::base64("foobar") == "Zm9vYmFy");
 }
 
 TEST_CASE("a page says how its colours are weighted, where its wavelengths allow colours",

@@ -32,7 +32,6 @@ TEST_CASE("stress: coats", "[stress]") { require_all(stress::coats, 80); }
 TEST_CASE("stress: boundaries", "[stress]") { require_all(stress::boundaries, 280); }
 TEST_CASE("stress: surfaces", "[stress]") { require_all(stress::surfaces, 80); }
 TEST_CASE("stress: materials", "[stress]") { require_all(stress::materials, 30); }
-TEST_CASE("stress: refusals", "[stress]") { require_all(stress::refusals, 60); }
 TEST_CASE("stress: sphere switches", "[stress]") { require_all(stress::sphere_switches, 150); }
 TEST_CASE("stress: transfer switches", "[stress]") { require_all(stress::transfer_switches, 20); }
 TEST_CASE("stress: photons", "[stress]") { require_all(stress::photons, 30); }

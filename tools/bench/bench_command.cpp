@@ -119,35 +119,23 @@ int run(const BenchArguments& arguments, const Shell& shell) {
 
 void add_bench(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<BenchArguments>();
-    command.add_option("--suite", arguments->suites, suite_names(", ") + "; default all")
-        ->type_name("LIST");
-    command
-        .add_option("--compare", arguments->compare_with,
-                    "compare with the results.csv of an earlier run")
-        ->type_name("OLD.csv");
-    command.add_option("--repeats", arguments->repeats,
-                       "how often every method is timed; default 5");
-    command.add_option("--longest", arguments->longest,
-                       "longest CPU time in seconds for repeating one measurement; default 4");
-    command
-        .add_option("--peer", arguments->peers,
-                    "another program, asked the same by COMMAND (docs/benchmarking.md); repeatable")
-        ->type_name("NAME=COMMAND");
-    command.add_option("--patience", arguments->patience,
-                       "seconds in which a peer must answer; default 60");
-    command
-        .add_option("--read", arguments->read,
-                    "do not measure; draw plots and page from this results.csv")
-        ->type_name("FILE");
-    command
-        .add_option("--docs", arguments->docs,
-                    "rewrite the generated parts of accuracy.md and performance.md in this folder")
-        ->type_name("FOLDER");
-    shell.add_common_options(command, Writes::folder);
-    command.footer(
-        "Writes results.csv, index.html and one SVG for each case into the folder.\nExample:\n"
-        "  miebrdf bench --suite half-space -o bench-results");
-    shell.on_run(command, [arguments, &shell] { return run(*arguments, shell); });
+    option(command, "--suite", arguments->suites, "LIST", suite_names(", ") + "; default all");
+    option(command, "--compare", arguments->compare_with, "OLD.csv",
+           "compare with the results.csv of an earlier run");
+    option(command, "--repeats", arguments->repeats, "", "how often every method is timed");
+    option(command, "--longest", arguments->longest, "",
+           "longest CPU time in seconds for repeating one measurement");
+    option(command, "--peer", arguments->peers, "NAME=COMMAND",
+           "another program, asked the same by COMMAND (docs/benchmarking.md); repeatable");
+    option(command, "--patience", arguments->patience, "", "seconds in which a peer must answer");
+    option(command, "--read", arguments->read, "FILE",
+           "do not measure; draw plots and page from this results.csv");
+    option(command, "--docs", arguments->docs, "FOLDER",
+           "rewrite the generated parts of accuracy.md and performance.md in this folder");
+    finish(command, shell, arguments, run,
+           "Writes results.csv, index.html and one SVG for each case into the folder.\nExample:\n  "
+           "miebrdf bench --suite half-space -o bench-results",
+           Writes::folder);
 }
 
 }  // namespace miebrdf::program

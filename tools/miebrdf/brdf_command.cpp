@@ -7,6 +7,7 @@
 #include <miebrdf/value_derivatives.h>
 #include "tools/miebrdf/colour_table.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/direction_options.h"
 #include "tools/miebrdf/drawdown_table.h"
 #include "tools/miebrdf/mueller_table.h"
 #include "tools/miebrdf/reflection_options.h"
@@ -101,16 +102,6 @@ void add_derivative_columns(Table& table, std::size_t first_value,
     add_derivative_fact(table, parameters);
 }
 
-/// Calls add(in, out, azimuth) for every direction, in the order of values.
-template <typename Add>
-void for_each_direction(const Directions& directions, Add add) {
-    for (const double in : directions.mu_in) {
-        for (const double out : directions.mu_out) {
-            for (const double azimuth : directions.azimuth_deg) add(in, out, azimuth);
-        }
-    }
-}
-
 int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
     const double share = *question.diffuse_fraction;
     const auto all =
@@ -137,8 +128,7 @@ int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
                            for (const HdrfValues& derivative : all.derivatives)
                                row.emplace_back(derivative.hdrf[w][index]);
                        }};
-    shell.write(std::move(table));
-    return values.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), values.converged());
 }
 
 /// Adds the cells of derivatives to the last row.
@@ -178,8 +168,7 @@ int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question,
                   colours.units());
     colours.add_facts(table);
     add_derivative_fact(table, all.parameters);
-    shell.write(std::move(table));
-    return values.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), values.converged());
 }
 
 int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
@@ -211,8 +200,7 @@ int write_brdf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shel
     }
     add_derivative_columns(table, 4, all.parameters);
     table.more_rows = rows_of(all, question);
-    shell.write(std::move(table));
-    return values.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), values.converged());
 }
 
 /// Calls add(name, value) for each quantity at one wavelength and incidence.
@@ -281,8 +269,7 @@ int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
     add_facts(table, values, brdf.scene(), "mu_in: cosine from the normal; " + colours.units());
     colours.add_facts(table);
     add_derivative_fact(table, all.parameters);
-    shell.write(std::move(table));
-    return values.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), values.converged());
 }
 
 int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& shell) {
@@ -301,8 +288,7 @@ int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& 
               "goes into the mirror direction alone; polarised_plane_albedo: what plane_albedo "
               "changes by for light polarised in the plane of incidence");
     add_spectra(table, all, question.diffuse_fraction);
-    shell.write(std::move(table));
-    return values.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), values.converged());
 }
 
 /// A command whose options are `Arguments`: they are read and the scene's names are looked up

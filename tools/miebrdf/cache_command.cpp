@@ -15,8 +15,7 @@ int run_info(const Shell& shell) {
     table.rows.push_back({info.file.string(), info.usable ? "yes" : "no",
                           static_cast<double>(info.entries), static_cast<double>(info.bytes),
                           static_cast<double>(info.limit_bytes)});
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 int run_clear(const Shell& shell) {

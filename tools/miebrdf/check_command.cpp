@@ -187,44 +187,30 @@ int run_check(const CheckArguments& arguments, const Shell& shell) {
 
 void add_check(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<CheckArguments>();
-    command
-        .add_option("FILE", arguments->file, "a BRDF file; its format is recognised by its content")
+    option(command, "FILE", arguments->file, "",
+           "a BRDF file; its format is recognised by its content")
         ->required();
     auto* group = command.add_option_group("Bounds");
-    group
-        ->add_option("--max-reciprocity-error", arguments->largest_asymmetry,
-                     "rms of |f(i,o) - f(o,i)| / mean, both cosines > 0.2")
-        ->capture_default_str();
-    group
-        ->add_option("--max-albedo", arguments->largest_albedo,
-                     "directional, any channel; the reciprocal coupling conserves energy in the "
-                     "mean over incidences alone")
-        ->capture_default_str();
-    group
-        ->add_option(
-            "--max-deviation", arguments->largest_deviation,
-            "rms relative error at mu > 0.2 and near the mirror direction, when a scene is "
-            "given to compare with; at retro-reflection and the "
-            "zenith it may be 0.5, at mu < 0.2 2, or this if it is larger")
-        ->capture_default_str();
-    group
-        ->add_option("--max-sampling-error", arguments->largest_sampling_error,
-                     "of the albedo found by the file's importance sampling")
-        ->capture_default_str();
+    option(*group, "--max-reciprocity-error", arguments->largest_asymmetry, "",
+           "rms of |f(i,o) - f(o,i)| / mean, both cosines > 0.2");
+    option(*group, "--max-albedo", arguments->largest_albedo, "",
+           "directional, any channel; the reciprocal coupling conserves energy in the mean over "
+           "incidences alone");
+    option(*group, "--max-deviation", arguments->largest_deviation, "",
+           "rms relative error at mu > 0.2 and near the mirror direction, when a scene is given to "
+           "compare with; at retro-reflection and the zenith it may be 0.5, at mu < 0.2 2, or this "
+           "if it is larger");
+    option(*group, "--max-sampling-error", arguments->largest_sampling_error, "",
+           "of the albedo found by the file's importance sampling");
     command.add_flag("--own-scene", arguments->own_scene,
                      "compare with the scene of the command in the file's metadata, solved anew");
     arguments->scene.add_to(command, shell, SceneArguments::Base::optional);
     default_to_reciprocal(command);
-    command.add_option("--component", arguments->component, "of the scene to compare with")
-        ->capture_default_str();
-    command.add_option("--rgb", arguments->rgb, "colours of the scene to compare with")
-        ->capture_default_str();
-    shell.add_common_options(command);
-    command.footer(
-        "Example:\n  miebrdf check paint.bsdf --own-scene\n  miebrdf check paint_spec.bsdf --base "
-        "TiO2 --coat "
-        "AlGaAs7@0.1");
-    shell.on_run(command, [arguments, &shell] { return run_check(*arguments, shell); });
+    option(command, "--component", arguments->component, "", "of the scene to compare with");
+    option(command, "--rgb", arguments->rgb, "", "colours of the scene to compare with");
+    finish(command, shell, arguments, run_check,
+           "Example:\n  miebrdf check paint.bsdf --own-scene\n  miebrdf check paint_spec.bsdf "
+           "--base TiO2 --coat AlGaAs7@0.1");
 }
 
 }  // namespace miebrdf::program

@@ -17,6 +17,7 @@
 #include <miebrdf/measured.h>
 #include "materials/readers/text_table.h"
 #include "tools/miebrdf/colour_table.h"
+#include "tools/miebrdf/direction_options.h"
 #include "tools/miebrdf/run_command.h"
 
 namespace miebrdf::program {
@@ -305,6 +306,15 @@ ReferenceColours checked(ReferenceColours spectra, const std::string& path) {
     return spectra;
 }
 
+/// One measured colour or spectrum for every row, over two grounds perhaps two.
+ReferenceColours of_whole_file(const Measurements& list, const std::vector<RowKeys>& rows,
+                               bool has_two_grounds, const Viewing& viewing) {
+    const bool has_spectrum = !by_wavelength(list, [](const auto&) { return true; }).empty();
+    if (const ColourRows colours = colours_of(list); !has_spectrum && !colours.rows.empty())
+        return labs_of(colours, rows, has_two_grounds, viewing, list.file);
+    return checked(repeated(list, rows.size(), has_two_grounds), list.file);
+}
+
 }  // namespace
 
 std::vector<std::vector<double>> spectra_of(const AlbedoValues& values,
@@ -340,10 +350,8 @@ ReferenceColours reference_albedos(const std::string& path, const AlbedoQuestion
         return checked(std::move(all), path);
     }
     const std::vector<RowKeys> keys = keys_of(question);
-    const auto labs = [&](const ColourRows& colours) {
-        return labs_of(colours, keys, has_two_grounds, *question.viewing, path);
-    };
-    if (const ColourRows csv = colours_of_csv(path); !csv.rows.empty()) return labs(csv);
+    if (const ColourRows csv = colours_of_csv(path); !csv.rows.empty())
+        return labs_of(csv, keys, has_two_grounds, *question.viewing, path);
     const Measurements list = read_measured(path);
     const auto has_sample = [&](const char* name) {
         return std::find(list.samples.begin(), list.samples.end(), name) != list.samples.end();
@@ -352,10 +360,7 @@ ReferenceColours reference_albedos(const std::string& path, const AlbedoQuestion
         return checked(rows_over_grounds(list, question), path);
     if (!has_two_grounds && has_albedos(list))
         return checked(rows_of_albedos(list, question), path);
-    const bool has_spectrum = !by_wavelength(list, [](const auto&) { return true; }).empty();
-    if (const ColourRows measured = colours_of(list); !has_spectrum && !measured.rows.empty())
-        return labs(measured);
-    return checked(repeated(list, keys.size(), has_two_grounds), path);
+    return of_whole_file(list, keys, has_two_grounds, *question.viewing);
 }
 
 std::vector<std::vector<double>> spectra_of(const BrdfValues& values, BrdfPart part) {
@@ -369,7 +374,6 @@ std::vector<std::vector<double>> spectra_of(const BrdfValues& values, BrdfPart p
 
 ReferenceColours reference_reflectances(const std::string& path, const BrdfQuestion& question,
                                         const Control& control) {
-    const auto& [mu_in, mu_out, azimuth_deg] = question.directions;
     if (is_scene_file(path)) {
         const Brdf brdf = scene_of_file(path, question.request, {}, control);
         const BrdfValues values = brdf.evaluate(question.directions, question.parts);
@@ -379,38 +383,25 @@ ReferenceColours reference_reflectances(const std::string& path, const BrdfQuest
     std::unique_ptr<BrdfFile> file;
     try {
         file = open_brdf_file(path);
-    } catch (const InputError&) {
-        std::vector<RowKeys> keys;  // perhaps colours or a spectrum
-        for (const double in : mu_in) {
-            for (const double out : mu_out) {
-                for (const double azimuth : azimuth_deg) {
-                    keys.push_back({{"mu_in", fmt::format("{}", in)},
-                                    {"mu_out", fmt::format("{}", out)},
-                                    {"azimuth_deg", fmt::format("{}", azimuth)}});
-                }
-            }
-        }
-        const auto labs = [&](const ColourRows& colours) {
-            return labs_of(colours, keys, false, *question.viewing, path);
-        };
-        if (const ColourRows csv = colours_of_csv(path); !csv.rows.empty()) return labs(csv);
-        const Measurements list = read_measured(path);
-        const bool has_spectrum = !by_wavelength(list, [](const auto&) { return true; }).empty();
-        if (const ColourRows measured = colours_of(list); !has_spectrum && !measured.rows.empty())
-            return labs(measured);
-        return checked(repeated(list, keys.size(), false), path);
+    } catch (const InputError&) {  // perhaps colours or a spectrum
     }
+    std::vector<RowKeys> keys;
     ReferenceColours all;
-    all.wavelength_nm = file->wavelength_nm();
-    std::vector<double> values(file->channels().size());
-    for (const double in : mu_in) {
-        for (const double out : mu_out) {
-            for (const double azimuth : azimuth_deg) {
-                file->evaluate({in, out, azimuth}, values);
-                all.reflectance.push_back(values);
-                for (double& value : all.reflectance.back()) value *= std::numbers::pi;
-            }
-        }
+    if (file != nullptr) all.wavelength_nm = file->wavelength_nm();
+    for_each_direction(question.directions, [&](double in, double out, double azimuth) {
+        keys.push_back({{"mu_in", fmt::format("{}", in)},
+                        {"mu_out", fmt::format("{}", out)},
+                        {"azimuth_deg", fmt::format("{}", azimuth)}});
+        if (file == nullptr) return;
+        std::vector<double>& values =
+            all.reflectance.emplace_back(std::vector<double>(file->channels().size()));
+        file->evaluate({in, out, azimuth}, values);
+        for (double& value : values) value *= std::numbers::pi;
+    });
+    if (file == nullptr) {
+        if (const ColourRows csv = colours_of_csv(path); !csv.rows.empty())
+            return labs_of(csv, keys, false, *question.viewing, path);
+        return of_whole_file(read_measured(path), keys, false, *question.viewing);
     }
     return checked(std::move(all), path);
 }

@@ -75,19 +75,15 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
                          "leave out the lines that begin with #, for spreadsheets; the error "
                          "estimate goes with them");
     }
-    command
-        .add_option("--threads", common_.threads,
-                    "largest number of threads; 0: one for each processor")
-        ->type_name("N")
+    option(command, "--threads", common_.threads, "N",
+           "largest number of threads; 0: one for each processor")
         ->check(CLI::Range(0, 4096));
     command.add_flag("-q,--quiet", common_.quiet, "print nothing but errors to standard error");
     command.add_flag("--no-cache", common_.no_cache,
                      "neither use nor store results of earlier runs");
-    command
-        .add_option("--progress", common_.progress,
-                    "how progress is shown on standard error: auto (a line on a "
-                    "terminal, else a line every ten seconds), none or json")
-        ->capture_default_str();
+    option(command, "--progress", common_.progress, "",
+           "how progress is shown on standard error: auto (a line on a terminal, else a line every "
+           "ten seconds), none or json");
     command.set_version_flag("--version", version_text);
 }
 
@@ -126,7 +122,7 @@ void Shell::tell_written(Table files) const {
     std::cout.flush();
 }
 
-void Shell::write(Table table) const {
+int Shell::write(Table table, bool converged) const {
     if (common_.no_comments && common_.json)
         throw UsageError("--no-comments belongs to CSV; JSON keeps its facts apart");
     add_origin(table);
@@ -139,12 +135,14 @@ void Shell::write(Table table) const {
         [&](std::ostream& out) { common_.json ? write_json(table, out) : write_csv(table, out); });
     const std::string other_name = misnamed(common_.output, common_.json);
     if (!other_name.empty()) note(other_name);
+    return converged ? kGood : kNotConverged;
 }
 
-void Shell::write_text(const std::string& text) const {
+int Shell::write_text(const std::string& text) const {
     write_to_output([&](std::ostream& out) {
         out.write(text.data(), static_cast<std::streamsize>(text.size()));
     });
+    return kGood;
 }
 
 void Shell::write_to_output(const std::function<void(std::ostream&)>& write) const {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <miebrdf/control.h>
@@ -65,11 +66,12 @@ class Shell {
 
     /// Writes a table as CSV, or as JSON with --json, to -o FILE or standard output; version and
     /// command line are put before its own facts.
+    /// @return the exit code of the command
     /// @throws InputError  when it cannot be written; nothing is left half-written
-    void write(Table table) const;
+    int write(Table table, bool converged = true) const;
 
     /// Writes text that is no table (an export, a plot) to -o FILE or standard output.
-    void write_text(const std::string& text) const;
+    int write_text(const std::string& text) const;
 
     /// With --json: prints a table of the files that a command has written, for commands that write
     /// no table themselves; version and command line are put before its own facts.
@@ -118,6 +120,31 @@ class Shell {
     std::vector<std::string> scene_words_;
     std::function<Job()> prepare_;
 };
+
+/// Adds an option whose help shows the default, where there is one.
+/// @param placeholder  of its value in the help; empty: the kind of number, or TEXT
+template <typename Value>
+CLI::Option* option(CLI::App& command, const std::string& names, Value& value,
+                    const std::string& placeholder, const std::string& help) {
+    CLI::Option* added = command.add_option(names, value, help);
+    if (!placeholder.empty()) added->type_name(placeholder);
+    if constexpr (std::is_arithmetic_v<Value>) {
+        added->capture_default_str();
+    } else if constexpr (requires { value.empty(); }) {
+        if (!value.empty()) added->capture_default_str();
+    }
+    return added;
+}
+
+/// Ends the description of a command by the options that all have, a footer and what it does.
+template <typename Arguments>
+void finish(CLI::App& command, Shell& shell, const std::shared_ptr<Arguments>& arguments,
+            int (*run)(const Arguments&, const Shell&), const std::string& footer,
+            Writes writes = Writes::table) {
+    shell.add_common_options(command, writes);
+    command.footer(footer);
+    shell.on_run(command, [arguments, run, &shell] { return run(*arguments, shell); });
+}
 
 /// A command: what it is called, one line about it, and the function that adds its options and says
 /// what it does.

@@ -8,6 +8,7 @@
 
 #include <miebrdf/error.h>
 #include <miebrdf/version.h>
+#include "materials/readers/text.h"
 #include "tools/miebrdf/commands.h"
 #include "tools/miebrdf/program.h"
 
@@ -105,13 +106,6 @@ std::vector<std::string> words_of(const DescribedCommand& command) {
         if (!option.long_name.empty()) words.push_back("--" + option.long_name);
     }
     return words;
-}
-
-/// Between single quotes, for any shell.
-std::string shell_quoted(const std::string& text) {
-    std::string result = "'";
-    for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return result + "'";
 }
 
 constexpr char kOrigin[] = "# Written by `miebrdf completion {}`.\n";
@@ -232,15 +226,15 @@ std::string fish_completion() {
                             fmt::join(command.subcommands, " "));
         for (const std::string& sub : command.subcommands)
             text += fmt::format("complete -c miebrdf -n '{}' -f -a {} -d {}\n", choosing, sub,
-                                shell_quoted(command_at(all, command, sub).help));
+                                materials::shell_quoted(command_at(all, command, sub).help));
         for (const DescribedOption& option : command.options) {
             if (option.positional) continue;
             text += "complete -c miebrdf";
-            if (!choosing.empty()) text += " -n " + shell_quoted(choosing);
+            if (!choosing.empty()) text += " -n " + materials::shell_quoted(choosing);
             if (!option.long_name.empty()) text += " -l " + option.long_name;
             if (!option.short_name.empty()) text += " -s " + option.short_name;
             text += option.value.empty() ? "" : " -r";
-            text += " -d " + shell_quoted(option.help) + "\n";
+            text += " -d " + materials::shell_quoted(option.help) + "\n";
         }
     }
     return text;
@@ -312,16 +306,13 @@ void add_completion(CLI::App& command, Shell& shell) {
     static const std::vector<std::pair<std::string, std::string (*)()>> shells = {
         {"bash", bash_completion}, {"zsh", zsh_completion}, {"fish", fish_completion}};
     auto name = std::make_shared<std::string>();
-    command.add_option("SHELL", *name, "bash, zsh or fish")->required();
+    option(command, "SHELL", *name, "", "bash, zsh or fish")->required();
     shell.add_common_options(command, Writes::file);
     command.footer("Example:\n  source <(miebrdf completion bash)");
     shell.on_prepare(command, [name, &shell]() -> Job {
         for (const auto& [known, script] : shells) {
             if (*name == known) {
-                return [write = script, &shell]() -> int {
-                    shell.write_text(write());
-                    return kGood;
-                };
+                return [write = script, &shell]() -> int { return shell.write_text(write()); };
             }
         }
         throw UsageError(fmt::format("unknown shell '{}'; allowed: bash, zsh, fish", *name));
@@ -331,10 +322,7 @@ void add_completion(CLI::App& command, Shell& shell) {
 void add_manual(CLI::App& command, Shell& shell) {
     shell.add_common_options(command, Writes::file);
     command.footer("Example:\n  miebrdf manual | man -l -");
-    shell.on_run(command, [&shell]() -> int {
-        shell.write_text(manual());
-        return kGood;
-    });
+    shell.on_run(command, [&shell]() -> int { return shell.write_text(manual()); });
 }
 
 }  // namespace miebrdf::program

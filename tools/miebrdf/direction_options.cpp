@@ -27,11 +27,9 @@ void DirectionArgument::add_to(CLI::App& group, const std::string& help,
     const bool in = side_ == Side::in;
     auto* option = group.add_option(in ? "--mu-in" : "--mu-out", cosines_, help)->type_name("LIST");
     if (!default_text.empty()) option->default_str(default_text);
-    group
-        .add_option(in ? "--theta-in,--sun-zenith" : "--theta-out,--view-zenith", degrees_,
-                    fmt::format("the same in degrees from the normal, in place of {}",
-                                in ? "--mu-in" : "--mu-out"))
-        ->type_name("LIST");
+    option(group, in ? "--theta-in,--sun-zenith" : "--theta-out,--view-zenith", degrees_, "LIST",
+           fmt::format("the same in degrees from the normal, in place of {}",
+                       in ? "--mu-in" : "--mu-out"));
 }
 
 std::vector<double> DirectionArgument::parse(const std::string& otherwise) const {

@@ -6,10 +6,22 @@
 #include <string>
 #include <vector>
 
+#include <miebrdf/solver.h>
+
 namespace miebrdf::program {
 
 /// cos of an angle in degrees, to 15 digits: that of 60 is 0.5.
 double cosine_of_degrees(double degrees);
+
+/// Calls visit(mu_in, mu_out, azimuth_deg) for every direction, in the order of values.
+template <typename Visit>
+void for_each_direction(const rte::Directions& directions, const Visit& visit) {
+    for (const double in : directions.mu_in) {
+        for (const double out : directions.mu_out) {
+            for (const double azimuth : directions.azimuth_deg) visit(in, out, azimuth);
+        }
+    }
+}
 
 /// --mu-in with --theta-in (--sun-zenith), or --mu-out with --theta-out (--view-zenith).
 class DirectionArgument {

@@ -48,8 +48,7 @@ int write_spectra(const AlbedoQuestion& question, Request request, const Shell& 
             add_row(question.mu_in[i], over[0].at(w, i), over[1].at(w, i));
         add_row(Cell(), over[0].spherical_albedo[w], over[1].spherical_albedo[w]);
     }
-    shell.write(std::move(table));
-    return over[0].converged() && over[1].converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), over[0].converged() && over[1].converged());
 }
 
 int write_colours(const AlbedoQuestion& question, const Request& request, const Shell& shell) {
@@ -94,8 +93,8 @@ int write_colours(const AlbedoQuestion& question, const Request& request, const 
                   "film; empty: needs thicknesses, or no depth hides");
     add_ground_facts(table, question, result.over_dark, result.over_light);
     colours.add_facts(table);
-    shell.write(std::move(table));
-    return result.over_dark.converged() && result.over_light.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table),
+                       result.over_dark.converged() && result.over_light.converged());
 }
 
 }  // namespace

@@ -81,35 +81,26 @@ void default_to_reciprocal(CLI::App& command) {
 
 void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     command_ = &command;
-    command.add_option("--format", format_, formats_that([](const Format&) { return true; }))
-        ->type_name("NAME")
+    option(command, "--format", format_, "NAME", formats_that([](const Format&) { return true; }))
         ->required();
     scene_.add_to(command, shell);
     default_to_reciprocal(command);
     auto* measured = command.add_option_group("Measured");
-    measured
-        ->add_option("--from", from_,
-                     "in place of a scene: measured directions (any file that `miebrdf measured` "
-                     "reads), interpolated to a reciprocal BRDF")
-        ->type_name("FILE");
-    measured->add_option("--column", column_, "of --from: one column or sample alone")
-        ->type_name("NAME");
-    measured
-        ->add_option("--azimuth-zero", azimuth_zero_,
-                     "of --from: meaning of azimuth 0 in the file, mirror or back")
-        ->type_name("SIDE");
-    command.add_option("--component", component_, "total, subsurface or surface")
-        ->capture_default_str();
+    option(*measured, "--from", from_, "FILE",
+           "in place of a scene: measured directions (any file that `miebrdf measured` reads), "
+           "interpolated to a reciprocal BRDF");
+    option(*measured, "--column", column_, "NAME", "of --from: one column or sample alone");
+    option(*measured, "--azimuth-zero", azimuth_zero_, "SIDE",
+           "of --from: meaning of azimuth 0 in the file, mirror or back");
+    option(command, "--component", component_, "", "total, subsurface or surface");
     add_file_options(command);
 }
 
 void ExportArguments::add_file_options(CLI::App& command) {
     auto* group = command.add_option_group("File");
-    group
-        ->add_option(option_of("resolution"), options_.resolution,
-                     fmt::format("fineness, format by format; 0: the default ({})", resolutions()))
-        ->check(CLI::Range(0, 4096))
-        ->capture_default_str();
+    option(*group, option_of("resolution"), options_.resolution, "",
+           fmt::format("fineness, format by format; 0: the default ({})", resolutions()))
+        ->check(CLI::Range(0, 4096));
     for (const Format& format : all_formats()) {
         for (const FormatOption& extra : format.extra) {
             const std::string help = format.name + ": " + extra.help;
@@ -119,32 +110,26 @@ void ExportArguments::add_file_options(CLI::App& command) {
                 group->add_flag_callback(
                     option_of(extra.name), [&value] { value = 1; }, help);
             } else {
-                group->add_option(option_of(extra.name), value, help)->capture_default_str();
+                option(*group, option_of(extra.name), value, "", help);
             }
         }
     }
     const std::string tables = formats_that_take("mu_in");
     mu_in_.add_to(*group, tables + ": cosines of incidence");
     mu_out_.add_to(*group, tables + ": cosines of reflection");
-    group->add_option(option_of("azimuth_deg"), azimuth_, tables + ": degrees, 0 = mirror side")
-        ->type_name("LIST");
-    group
-        ->add_option(option_of("rgb"), options_.rgb,
-                     fmt::format("colour of {}: cie (observer and D65), wavelengths (the nearest "
-                                 "to 620, 535, 480 nm), auto: cie where the wavelengths cover the "
-                                 "visible",
-                                 formats_that_take("rgb")))
-        ->capture_default_str();
+    option(*group, option_of("azimuth_deg"), azimuth_, "LIST",
+           tables + ": degrees, 0 = mirror side");
+    option(*group, option_of("rgb"), options_.rgb, "",
+           fmt::format("colour of {}: cie (observer and D65), wavelengths (the nearest to 620, "
+                       "535, 480 nm), auto: cie where the wavelengths cover the visible",
+                       formats_that_take("rgb")));
     const std::string sampled = formats_that_take("largest_error");
     const AcceptedErrors usual;
-    group
-        ->add_option(option_of("largest_error"), options_.largest_error,
-                     fmt::format("{} are read back: largest relative error (rms, at mu > 0.2 and "
-                                 "near the mirror direction) that is accepted; at "
-                                 "retro-reflection and zenith {}, at mu < 0.2 {}, or this if it is "
-                                 "larger; 0: the format's own",
-                                 sampled, usual.peaks, usual.grazing))
-        ->capture_default_str();
+    option(*group, option_of("largest_error"), options_.largest_error, "",
+           fmt::format("{} are read back: largest relative error (rms, at mu > 0.2 and near the "
+                       "mirror direction) that is accepted; at retro-reflection and zenith {}, at "
+                       "mu < 0.2 {}, or this if it is larger; 0: the format's own",
+                       sampled, usual.peaks, usual.grazing));
     group->add_flag(option_of("accept_error"), options_.accept_error,
                     sampled + ": write the file whatever its errors are");
 }

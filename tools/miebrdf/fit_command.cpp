@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include <miebrdf/error.h>
+#include "materials/database/user_file.h"
 #include "pipeline/io/atomic_file.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/fit_chart.h"
@@ -25,31 +24,15 @@ struct FitArguments {
     SceneArguments scene;
     std::vector<std::string> unknowns;
     std::map<std::string, std::string> measured_texts;
-    std::map<std::string, double> measured_numbers;
+    std::map<std::string, std::optional<double>> measured_numbers;
     bool free_scale = false;
 };
-
-/// Words of a scene but its wavelengths, which are those of the data.
-std::vector<std::string> words_of_fits() {
-    std::vector<std::string> names;
-    for (const SceneWord& word : miebrdf::scene_words()) {
-        if (word.name != "wavelengths") names.push_back(word.name);
-    }
-    return names;
-}
-
-std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
 
 /// The fit file that the options stand for.
 std::string fit_text(const FitArguments& arguments) {
     std::string text = "[scene]\n";
-    for (const auto& [word, values] : arguments.scene.typed()) {
-        std::vector<std::string> parts;
-        for (const WordValue& value : values)
-            parts.push_back(std::holds_alternative<bool>(value) ? "true" : quoted(text_of(value)));
-        text += parts.size() == 1 ? fmt::format("{} = {}\n", word, parts[0])
-                                  : fmt::format("{} = [{}]\n", word, fmt::join(parts, ", "));
-    }
+    for (const auto& [word, values] : arguments.scene.typed())
+        text += toml_of(*find_scene_word(word), values) + "\n";
     text += "[unknowns]\n";
     for (const std::string& unknown : arguments.unknowns) {
         const std::size_t equals = unknown.find('=');
@@ -57,15 +40,15 @@ std::string fit_text(const FitArguments& arguments) {
             throw UsageError(fmt::format(
                 "--unknown '{}'; write NAME=START in LOW:HIGH, \"radius=100 in 20:1000 log\"",
                 unknown));
-        text += fmt::format("{} = {}\n", quoted(unknown.substr(0, equals)),
-                            quoted(unknown.substr(equals + 1)));
+        text += fmt::format("{} = {}\n", toml_quoted(unknown.substr(0, equals)),
+                            toml_quoted(unknown.substr(equals + 1)));
     }
     text += "[[measured]]\n";
     for (const auto& [key, value] : arguments.measured_texts) {
-        if (!value.empty()) text += fmt::format("{} = {}\n", key, quoted(value));
+        if (!value.empty()) text += fmt::format("{} = {}\n", key, toml_quoted(value));
     }
     for (const auto& [key, value] : arguments.measured_numbers) {
-        if (!std::isnan(value)) text += fmt::format("{} = {}\n", key, value);
+        if (value) text += fmt::format("{} = {}\n", key, *value);
     }
     return arguments.free_scale ? text + "scale = \"free\"\n" : text;
 }
@@ -197,12 +180,11 @@ Table fit_table(const FitProblem& problem, const FitResult& result, bool with_re
 /// A database that no word names is that of MIEBRDF_DATABASE, as for other
 /// commands.
 void complete(FitProblem& problem) {
-    const char* const database = std::getenv("MIEBRDF_DATABASE");
-    if (database == nullptr || *database == '\0') return;
-    for (const SceneText& text : problem.scene) {
-        if (text.word == "database") return;
-    }
-    problem.scene.push_back({"database", {database}});
+    const std::string database = materials::from_environment("MIEBRDF_DATABASE");
+    const bool is_named =
+        std::any_of(problem.scene.begin(), problem.scene.end(),
+                    [](const SceneText& text) { return text.word == "database"; });
+    if (!database.empty() && !is_named) problem.scene.push_back({"database", {database}});
 }
 
 void write_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
@@ -274,41 +256,28 @@ int run_fit(const FitProblem& problem, const FitArguments& arguments, const Shel
 
 void add_fit(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<FitArguments>();
-    command
-        .add_option("fit", arguments->file,
-                    "fit file (TOML): [scene] with {name}, [unknowns], [[measured]]")
-        ->type_name("FIT.toml");
-    command.add_option("--scene", arguments->scene_file, "also write the fitted scene (TOML)")
-        ->type_name("FILE");
-    command
-        .add_option("--residuals", arguments->residuals_file,
-                    "also write every measured value beside the model's, as CSV")
-        ->type_name("FILE");
-    command
-        .add_option("--spectra", arguments->spectra_file,
-                    "also write the unknowns per wavelength as CSV, a column for each: a paste "
-                    "where two are called mu_s_reduced and mu_a")
-        ->type_name("FILE");
-    command
-        .add_option("--plot", arguments->chart_file,
-                    "also draw measured points, fitted curve and residuals (.svg, .png)")
-        ->type_name("FILE");
-    command
-        .add_option(
-            "--starts", arguments->starts,
-            "search from N starts within the bounds; 0: the number in the file, else 6, or 1 "
-            "where an unknown changes spheres")
-        ->type_name("N")
+    option(command, "fit", arguments->file, "FIT.toml",
+           "fit file (TOML): [scene] with {name}, [unknowns], [[measured]]");
+    option(command, "--scene", arguments->scene_file, "FILE", "also write the fitted scene (TOML)");
+    option(command, "--residuals", arguments->residuals_file, "FILE",
+           "also write every measured value beside the model's, as CSV");
+    option(command, "--spectra", arguments->spectra_file, "FILE",
+           "also write the unknowns per wavelength as CSV, a column for each: a paste where two "
+           "are called mu_s_reduced and mu_a");
+    option(command, "--plot", arguments->chart_file, "FILE",
+           "also draw measured points, fitted curve and residuals (.svg, .png)");
+    option(command, "--starts", arguments->starts, "N",
+           "search from N starts within the bounds; 0: the number in the file, else 6, or 1 where "
+           "an unknown changes spheres")
         ->check(CLI::Range(0, 1000));
-    arguments->scene.add_to(command, shell, words_of_fits(), "");
+    // Wavelengths are those of the data.
+    arguments->scene.add_to(command, shell, scene_word_names("wavelengths"), "");
     const std::string group = "In place of a fit file, with the words of its scene";
-    command.add_option("--unknown", arguments->unknowns, "NAME=START in LOW:HIGH [log|log1m]")
-        ->type_name("TEXT")
+    option(command, "--unknown", arguments->unknowns, "TEXT", "NAME=START in LOW:HIGH [log|log1m]")
         ->allow_extra_args(false)
         ->group(group);
-    const auto add_text = [&](const std::string& option, const std::string& key,
-                              const std::string& help) {
-        command.add_option(option, arguments->measured_texts[key], help)->group(group);
+    const auto add_text = [&](const char* name, const char* key, const char* help) {
+        option(command, name, arguments->measured_texts[key], "", help)->group(group);
     };
     add_text("--measured", "file", "the measured file");
     add_text("--column", "column", "one of its columns or samples");
@@ -316,10 +285,9 @@ void add_fit(CLI::App& command, Shell& shell) {
     add_text("--wavelengths", "wavelengths", "FIRST:LAST: only these of the file count");
     for (const char* const key :
          {"mu_in", "theta_in", "mu_out", "theta_out", "azimuth", "sigma", "relative_sigma"}) {
-        std::string option = "--" + std::string(key);
-        std::replace(option.begin(), option.end(), '_', '-');
-        arguments->measured_numbers[key] = std::nan("");
-        command.add_option(option, arguments->measured_numbers[key], "as in fit files")
+        std::string name = "--" + std::string(key);
+        std::replace(name.begin(), name.end(), '_', '-');
+        option(command, name, arguments->measured_numbers[key], "", "as in fit files")
             ->group(group);
     }
     command.add_flag("--free-scale", arguments->free_scale, "values are known up to a factor")

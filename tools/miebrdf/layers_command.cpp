@@ -37,8 +37,7 @@ int write_layers(const Brdf& brdf, const Shell& shell) {
                               cell_of(layer.reduced_scattering_per_um), cell_of(layer.k_km),
                               cell_of(layer.s_km), cell_of(layer.mass_extinction_m2_per_kg)});
     }
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 }  // namespace

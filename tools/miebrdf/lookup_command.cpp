@@ -103,8 +103,7 @@ int look_up(const LookupArguments& arguments, const std::vector<std::string>& wo
         "error of the nodes themselves is the variable error_estimate");
     for (const std::string& variable : sweep::named_variables(*stored, arguments.variables))
         add_rows(table, sweep::look_up(*stored, variable, asked, order), listed);
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 }  // namespace
@@ -112,17 +111,12 @@ int look_up(const LookupArguments& arguments, const std::vector<std::string>& wo
 void add_lookup(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<LookupArguments>();
     command.allow_extras();  // the axes are known when the table is open
-    command.add_option("table", arguments->file, "table that miebrdf sweep wrote")
-        ->type_name("TABLE.nc")
+    option(command, "table", arguments->file, "TABLE.nc", "table that miebrdf sweep wrote")
         ->required();
-    command
-        .add_option("--interpolation", arguments->interpolation,
-                    "linear or cubic, along every axis; over the logarithm of logarithmic axes")
-        ->capture_default_str();
-    command
-        .add_option("--variables", arguments->variables,
-                    "some of the table's variables, with commas between; default: all")
-        ->type_name("LIST")
+    option(command, "--interpolation", arguments->interpolation, "",
+           "linear or cubic, along every axis; over the logarithm of logarithmic axes");
+    option(command, "--variables", arguments->variables, "LIST",
+           "some of the table's variables, with commas between; default: all")
         ->delimiter(',')
         ->expected(1);
     shell.add_common_options(command);

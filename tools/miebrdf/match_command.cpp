@@ -94,19 +94,13 @@ int run_match(const MatchProblem& problem, const Shell& shell) {
 
 void add_match(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MatchArguments>();
-    command
-        .add_option("match", arguments->file,
-                    "match file (TOML): [scene] with {name}, [unknowns], [[target]]")
-        ->type_name("MATCH.toml");
-    command
-        .add_option("--from", arguments->made,
-                    "correct the batch of this recipe (written by -o RECIPE.toml)")
-        ->type_name("RECIPE.toml");
-    command
-        .add_option("--measured", arguments->measured,
-                    "what was measured of that batch, for the targets in their order")
-        ->type_name("FILE");
-    command.add_option("--column", arguments->column, "one column or sample of these files");
+    option(command, "match", arguments->file, "MATCH.toml",
+           "match file (TOML): [scene] with {name}, [unknowns], [[target]]");
+    option(command, "--from", arguments->made, "RECIPE.toml",
+           "correct the batch of this recipe (written by -o RECIPE.toml)");
+    option(command, "--measured", arguments->measured, "FILE",
+           "what was measured of that batch, for the targets in their order");
+    option(command, "--column", arguments->column, "", "one column or sample of these files");
     shell.add_common_options(command);
     command.footer(
         "-o RECIPE.toml writes the best recipe as a match file, and the table to standard output.\n"

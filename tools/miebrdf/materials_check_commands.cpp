@@ -76,8 +76,7 @@ int run_export(const DatasetExport& arguments, const Shell& shell) {
     }
     const auto files = materials::export_dataset(dataset, arguments.format, arguments.options);
     if (files.front().suffix.ends_with(".spd")) return write_pair(files, shell);
-    shell.write_text(files.front().text);
-    return kGood;
+    return shell.write_text(files.front().text);
 }
 
 struct DiffArguments {
@@ -162,7 +161,7 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
     auto exported = std::make_shared<DatasetExport>();
     auto* command =
         materials.add_subcommand("export", "write a dataset in a format other programs read");
-    command->add_option("name", exported->name, "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    option(*command, "name", exported->name, "", "NAME, NAME/DATASET or SOURCE:KEY")->required();
     std::string formats;
     std::vector<std::string> names;
     for (const auto& format : materials::material_formats()) {
@@ -171,38 +170,31 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
         formats += fmt::format("{}{} ({})", formats.empty() ? "" : ", ", name, format.title);
         names.insert(names.end(), {format.name, name});
     }
-    command->add_option("--format", exported->format, formats)
-        ->check(CLI::IsMember(names))
-        ->capture_default_str();
-    command
-        ->add_option("--wavelengths", exported->wavelengths,
-                     "sample n and k here (a list or range, as for nk) instead of writing the "
-                     "dataset's own rows: for formulas, and formats that want another grid")
-        ->type_name("LIST");
+    option(*command, "--format", exported->format, "", formats)->check(CLI::IsMember(names));
+    option(*command, "--wavelengths", exported->wavelengths, "LIST",
+           "sample n and k here (a list or range, as for nk) instead of writing the dataset's own "
+           "rows: for formulas, and formats that want another grid");
     command->add_flag("--unknown-k-zero", exported->options.unknown_k_as_zero,
                       "write k = 0 for unknown k where the format needs a number");
     exported->database.add_to(*command);
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf materials export GaP --format nk -o gap.nk");
-    shell.on_run(*command, [exported, &shell] { return run_export(*exported, shell); });
+    finish(*command, shell, exported, run_export,
+           "Example:\n  miebrdf materials export GaP --format nk -o gap.nk");
 
     auto diff = std::make_shared<DiffArguments>();
     command = materials.add_subcommand("diff", "two datasets at the wavelengths of either");
-    command->add_option("a", diff->first, "NAME, NAME/DATASET or SOURCE:KEY")->required();
-    command->add_option("b", diff->second, "NAME, NAME/DATASET or SOURCE:KEY")->required();
-    command->add_option("--tolerance", diff->tolerance, "differences up to this give exit code 0")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    option(*command, "a", diff->first, "", "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    option(*command, "b", diff->second, "", "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    option(*command, "--tolerance", diff->tolerance, "", "differences up to this give exit code 0")
+        ->check(CLI::NonNegativeNumber);
     diff->index.add_to(*command);
     diff->database.add_to(*command);
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf materials diff TiO2 TiO2_rutile_e");
-    shell.on_run(*command, [diff, &shell] { return run_diff(*diff, shell); });
+    finish(*command, shell, diff, run_diff,
+           "Example:\n  miebrdf materials diff TiO2 TiO2_rutile_e");
 
     auto verified = std::make_shared<std::pair<DatabaseArgument, std::string>>();
     command = materials.add_subcommand(
         "verify", "check checksums, constraints and physics of the stored data");
-    command->add_option("name", verified->second, "one dataset; default: everything");
+    option(*command, "name", verified->second, "", "one dataset; default: everything");
     verified->first.add_to(*command);
     shell.add_common_options(*command);
     command->footer("Example:\n  miebrdf materials verify");

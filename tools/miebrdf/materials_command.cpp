@@ -120,8 +120,7 @@ int run_search(const SearchArguments& arguments, const Shell& shell) {
 int run_list(const SearchArguments& arguments, const Shell& shell) {
     Table table = table_of(arguments.database.open().list());
     limit_rows(table, arguments.limit, shell);
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 int run_datasets(const SearchArguments& arguments, const Shell& shell) {
@@ -225,24 +224,19 @@ int run_show(const DatabaseArgument& argument, const std::string& name, const Sh
         add_dataset(table.rows, dataset);
         add_curves(table.rows, database, dataset);
     }
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 }  // namespace
 
 static void add_filter(CLI::App& command, SearchArguments& arguments) {
-    command
-        .add_option("--covers", arguments.covers,
-                    "only with a dataset that covers A:B (nm or units)")
-        ->type_name("A:B");
+    option(command, "--covers", arguments.covers, "A:B",
+           "only with a dataset that covers A:B (nm or units)");
     command.add_flag("--has-k", arguments.has_k, "only with a dataset whose k is known");
 }
 
 static void add_limit(CLI::App& command, SearchArguments& arguments) {
-    command.add_option("--limit", arguments.limit, "most lines that are shown; 0: all")
-        ->type_name("N")
-        ->capture_default_str();
+    option(command, "--limit", arguments.limit, "N", "most lines that are shown; 0: all");
 }
 
 void add_materials_query_commands(CLI::App& materials, Shell& shell) {
@@ -257,30 +251,27 @@ void add_materials_query_commands(CLI::App& materials, Shell& shell) {
     auto shown = std::make_shared<SearchArguments>();
     auto* datasets =
         materials.add_subcommand("datasets", "the datasets of a material, one line each");
-    datasets->add_option("name", shown->text, "NAME")->required();
+    option(*datasets, "name", shown->text, "", "NAME")->required();
     add_filter(*datasets, *shown);
     add_limit(*datasets, *shown);
     shown->database.add_to(*datasets);
-    shell.add_common_options(*datasets);
-    datasets->footer("Example:\n  miebrdf materials datasets Au --covers 400:700");
-    shell.on_run(*datasets, [shown, &shell] { return run_datasets(*shown, shell); });
+    finish(*datasets, shell, shown, run_datasets,
+           "Example:\n  miebrdf materials datasets Au --covers 400:700");
 
     auto asked = std::make_shared<SearchArguments>();
     auto* search =
         materials.add_subcommand("search", "materials by words of name, title, provenance");
-    search->add_option("text", asked->text, "words, or beginnings of words; all must occur");
+    option(*search, "text", asked->text, "", "words, or beginnings of words; all must occur");
     add_filter(*search, *asked);
     asked->limit = 50;
     add_limit(*search, *asked);
     asked->database.add_to(*search);
-    shell.add_common_options(*search);
-    search->footer(
-        "Example:\n  miebrdf materials search \"titanium oxide\" --covers 400:700 --has-k");
-    shell.on_run(*search, [asked, &shell] { return run_search(*asked, shell); });
+    finish(*search, shell, asked, run_search,
+           "Example:\n  miebrdf materials search \"titanium oxide\" --covers 400:700 --has-k");
 
     auto name = std::make_shared<std::pair<DatabaseArgument, std::string>>();
     auto* show = materials.add_subcommand("show", "a material's datasets, ranges and provenance");
-    show->add_option("name", name->second, "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    option(*show, "name", name->second, "", "NAME, NAME/DATASET or SOURCE:KEY")->required();
     name->first.add_to(*show);
     shell.add_common_options(*show);
     show->footer("Example:\n  miebrdf materials show GaP");
@@ -288,11 +279,9 @@ void add_materials_query_commands(CLI::App& materials, Shell& shell) {
 }
 
 void DatabaseArgument::add_to(CLI::App& command) {
-    command
-        .add_option("--database", file_,
-                    "the user's materials; default: $MIEBRDF_DATABASE, else "
-                    "$XDG_DATA_HOME/miebrdf/materials.sqlite")
-        ->type_name("FILE");
+    option(command, "--database", file_, "FILE",
+           "the user's materials; default: $MIEBRDF_DATABASE, else "
+           "$XDG_DATA_HOME/miebrdf/materials.sqlite");
 }
 
 std::filesystem::path DatabaseArgument::file() const {

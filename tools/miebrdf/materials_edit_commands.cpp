@@ -61,18 +61,16 @@ int run_import(const ImportArguments& arguments, const Shell& shell) {
         throw UsageError("--label names one dataset, so it goes with one file");
     }
     const std::vector<std::filesystem::path> files(arguments.files.begin(), arguments.files.end());
-    shell.write(
+    return shell.write(
         table_of(materials::import_files(arguments.database.file(), files, options), shell));
-    return kGood;
 }
 
 void add_import(CLI::App& materials, Shell& shell) {
     auto arguments = std::make_shared<ImportArguments>();
     auto* command =
         materials.add_subcommand("import", "add files or folders to the user's database");
-    command
-        ->add_option("files", arguments->files,
-                     "files, folders, or a folder with the refractiveindex.info database")
+    option(*command, "files", arguments->files, "",
+           "files, folders, or a folder with the refractiveindex.info database")
         ->required()
         ->check(CLI::ExistingPath);
     std::vector<std::string> formats;
@@ -81,20 +79,17 @@ void add_import(CLI::App& materials, Shell& shell) {
         formats.push_back(format.name);
         if (!format.other_name.empty()) formats.push_back(format.other_name);
     }
-    command->add_option("--format", arguments->options.format, "default: recognised by content")
+    option(*command, "--format", arguments->options.format, "", "default: recognised by content")
         ->check(CLI::IsMember(formats));
-    command->add_option("--name", arguments->options.material, "name of the material");
-    command->add_option("--label", arguments->options.label, "name of the dataset");
-    command->add_option("--source", arguments->options.source, "collection it comes from");
-    command
-        ->add_option("--negative-k-tolerance", arguments->options.negative_k_tolerance,
-                     "k between minus this and 0 is measurement noise and set to 0")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
-    command
-        ->add_option("--unit", arguments->unit,
-                     "of the first column where the file does not say; also reads bare columns: "
-                     "wavelength, n and perhaps k")
+    option(*command, "--name", arguments->options.material, "", "name of the material");
+    option(*command, "--label", arguments->options.label, "", "name of the dataset");
+    option(*command, "--source", arguments->options.source, "", "collection it comes from");
+    option(*command, "--negative-k-tolerance", arguments->options.negative_k_tolerance, "",
+           "k between minus this and 0 is measurement noise and set to 0")
+        ->check(CLI::NonNegativeNumber);
+    option(*command, "--unit", arguments->unit, "",
+           "of the first column where the file does not say; also reads bare columns: wavelength, "
+           "n and perhaps k")
         ->check(CLI::IsMember({"nm", "um", "A", "eV", "cm-1", "THz"}));
     command->add_flag("--skip-bad-rows", arguments->options.skip_bad_rows,
                       "leave out rows that are no numbers or not physical, and say which, instead "
@@ -102,13 +97,10 @@ void add_import(CLI::App& materials, Shell& shell) {
     command->add_flag("--replace", arguments->replace,
                       "replace a dataset of the same name that has other values");
     arguments->database.add_to(*command);
-    shell.add_common_options(*command);
-    command->footer(
-        "One bad file among those named: nothing is changed. In a folder bad files are refused one "
-        "by "
-        "one.\nExample:\n  miebrdf materials import my_oxide.csv --name MyOxide --source \"our "
-        "lab\"");
-    shell.on_run(*command, [arguments, &shell] { return run_import(*arguments, shell); });
+    finish(*command, shell, arguments, run_import,
+           "One bad file among those named: nothing is changed. In a folder bad files are refused "
+           "one by one.\nExample:\n  miebrdf materials import my_oxide.csv --name MyOxide --source "
+           "\"our lab\"");
 }
 
 struct EditArguments {
@@ -201,21 +193,21 @@ void add_materials_edit_commands(CLI::App& materials, Shell& shell) {
     auto alias = std::make_shared<EditArguments>();
     auto* command =
         add_edit(materials, shell, "alias", "give a material another name", alias, run_alias);
-    command->add_option("alias", alias->name, "the new name")->required();
-    command->add_option("material", alias->second, "the material it means");
+    option(*command, "alias", alias->name, "", "the new name")->required();
+    option(*command, "material", alias->second, "", "the material it means");
     command->add_flag("--remove", alias->remove, "remove the alias");
     command->footer("Example:\n  miebrdf materials alias \"my white\" TiO2");
 
     auto chosen = std::make_shared<EditArguments>();
     command = add_edit(materials, shell, "default",
                        "choose the dataset a material's name stands for", chosen, run_default);
-    command->add_option("dataset", chosen->name, "NAME/DATASET or SOURCE:KEY")->required();
+    option(*command, "dataset", chosen->name, "", "NAME/DATASET or SOURCE:KEY")->required();
     command->footer("Example:\n  miebrdf materials default GaP/SOPRA-GAP");
 
     auto gone = std::make_shared<EditArguments>();
     command = add_edit(materials, shell, "remove", "remove a material or dataset of the user's",
                        gone, run_remove);
-    command->add_option("name", gone->name, "NAME or NAME/DATASET")->required();
+    option(*command, "name", gone->name, "", "NAME or NAME/DATASET")->required();
     command->add_flag("--dry-run", gone->dry_run,
                       "list the datasets that would be removed, and remove nothing");
     command->footer("Example:\n  miebrdf materials remove GaP/SOPRA-GAP");

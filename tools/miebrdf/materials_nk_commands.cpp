@@ -87,8 +87,7 @@ int run_nk(const NkArguments& arguments, const Shell& shell) {
         table.facts.emplace_back("k", fmt::format("unknown at {} of {} wavelengths, taken as 0 "
                                                   "there",
                                                   without_k, wavelengths_nm.size()));
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 struct IndexPlotArguments {
@@ -159,62 +158,47 @@ int run_plot(const IndexPlotArguments& arguments, const Shell& shell) {
 void add_nk(CLI::App& materials, Shell& shell) {
     auto arguments = std::make_shared<NkArguments>();
     auto* command = materials.add_subcommand("nk", "n and k of a material at wavelengths");
-    command->add_option("name", arguments->name, "NAME, NAME/DATASET or SOURCE:KEY")->required();
-    command
-        ->add_option(
-            "--wavelengths", arguments->wavelengths,
-            "list or range; nm, or with a unit: nm, um, A, eV, cm-1, THz; rgb is 620,535,480")
-        ->type_name("LIST")
+    option(*command, "name", arguments->name, "", "NAME, NAME/DATASET or SOURCE:KEY")->required();
+    option(*command, "--wavelengths", arguments->wavelengths, "LIST",
+           "list or range; nm, or with a unit: nm, um, A, eV, cm-1, THz; rgb is 620,535,480")
         ->required();
     arguments->index.add_to(*command);
     command->add_flag("--permittivity", arguments->permittivity,
                       "also (n + ik)^2: permittivity_real, permittivity_imaginary");
     command->add_flag("--group-index", arguments->group_index,
                       "also n - w dn/dw, w being the wavelength");
-    command
-        ->add_option("--k-floor", arguments->k_floor,
-                     "smallest k: smaller values are raised to this")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    option(*command, "--k-floor", arguments->k_floor, "",
+           "smallest k: smaller values are raised to this")
+        ->check(CLI::NonNegativeNumber);
     arguments->database.add_to(*command);
-    shell.add_common_options(*command);
-    command->footer("Example:\n  miebrdf materials nk GaP --wavelengths 400:700:10,2.25eV");
-    shell.on_run(*command, [arguments, &shell] { return run_nk(*arguments, shell); });
+    finish(*command, shell, arguments, run_nk,
+           "Example:\n  miebrdf materials nk GaP --wavelengths 400:700:10,2.25eV");
 }
 
 void add_nk_plot(CLI::App& materials, Shell& shell) {
     auto arguments = std::make_shared<IndexPlotArguments>();
     auto* command = materials.add_subcommand("plot", "n and k over wavelength, as SVG or PNG");
-    command
-        ->add_option("names", arguments->names, "NAME, NAME/DATASET or SOURCE:KEY; several overlay")
+    option(*command, "names", arguments->names, "",
+           "NAME, NAME/DATASET or SOURCE:KEY; several overlay")
         ->required();
-    command->add_option("--range", arguments->range, "only wavelengths A:B (nm or units)")
-        ->type_name("A:B");
-    command->add_option("--scale", arguments->scale, "PNG pixels for each SVG unit")
-        ->check(CLI::Range(0.1, 20.0))
-        ->capture_default_str();
+    option(*command, "--range", arguments->range, "A:B", "only wavelengths A:B (nm or units)");
+    option(*command, "--scale", arguments->scale, "", "PNG pixels for each SVG unit")
+        ->check(CLI::Range(0.1, 20.0));
     arguments->index.add_to(*command);
     arguments->database.add_to(*command);
-    shell.add_common_options(*command, Writes::file);
-    command->footer("Example:\n  miebrdf materials plot GaP TiO2 -o nk.svg");
-    shell.on_run(*command, [arguments, &shell] { return run_plot(*arguments, shell); });
+    finish(*command, shell, arguments, run_plot,
+           "Example:\n  miebrdf materials plot GaP TiO2 -o nk.svg", Writes::file);
 }
 
 }  // namespace
 
 void IndexArguments::add_to(CLI::App& command) {
-    command
-        .add_option("--interpolation", interpolation_,
-                    "pchip: monotone in photon energy; linear: in wavelength, as other tools; "
-                    "linear-energy")
-        ->check(CLI::IsMember({"pchip", "linear", "linear-energy"}))
-        ->capture_default_str();
-    command
-        .add_option("--extrapolate", extrapolate_,
-                    "outside the data: refuse, or clamp to the nearer end (and say so in the "
-                    "output)")
-        ->check(CLI::IsMember({"refuse", "clamp"}))
-        ->capture_default_str();
+    option(command, "--interpolation", interpolation_, "",
+           "pchip: monotone in photon energy; linear: in wavelength, as other tools; linear-energy")
+        ->check(CLI::IsMember({"pchip", "linear", "linear-energy"}));
+    option(command, "--extrapolate", extrapolate_, "",
+           "outside the data: refuse, or clamp to the nearer end (and say so in the output)")
+        ->check(CLI::IsMember({"refuse", "clamp"}));
     command.add_flag("--missing-k-zero", missing_k_zero_,
                      "k = 0 where n is known and k is not, instead of an error");
 }

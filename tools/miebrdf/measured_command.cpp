@@ -48,25 +48,20 @@ int run_measured(const MeasuredQuestion& question, const Shell& shell) {
         plot::save_picture(draw_measured(list, {title_of(list), shell.command_line()}),
                            question.picture);
     }
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 }  // namespace
 
 void add_measured(CLI::App& command, Shell& shell) {
     auto question = std::make_shared<MeasuredQuestion>();
-    command.add_option("file", question->file, "a file of an instrument, a library or a table")
-        ->type_name("FILE")
+    option(command, "file", question->file, "FILE", "a file of an instrument, a library or a table")
         ->required();
     question->arguments.add_to(command);
-    command.add_option("--plot", question->picture, "draw it, too: FILE.svg or FILE.png")
-        ->type_name("FILE");
-    shell.add_common_options(command);
-    command.footer(
-        "Example:\n  miebrdf measured paint.cxf --plot paint.png -o paint.csv\n  miebrdf measured "
-        "lacquer.csv --quantity d8-sci --percent --sigma 0.002");
-    shell.on_run(command, [question, &shell] { return run_measured(*question, shell); });
+    option(command, "--plot", question->picture, "FILE", "draw it, too: FILE.svg or FILE.png");
+    finish(command, shell, question, run_measured,
+           "Example:\n  miebrdf measured paint.cxf --plot paint.png -o paint.csv\n  miebrdf "
+           "measured lacquer.csv --quantity d8-sci --percent --sigma 0.002");
 }
 
 }  // namespace miebrdf::program

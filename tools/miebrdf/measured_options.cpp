@@ -82,52 +82,36 @@ plot::Picture draw_directions(const Measurements& list, const plot::Caption& cap
 }  // namespace
 
 void MeasuredArguments::add_to(CLI::App& command) {
-    command_ = &command;
     auto* group = command.add_option_group("Facts that the file lacks");
     std::string names;
     for (const MeasuredFormat& format : measured_formats())
         names += (names.empty() ? "" : ", ") + std::string(format.name);
-    group->add_option("--format", options_.format, "of the file, else recognised: " + names)
-        ->type_name("NAME");
-    group->add_option("--column", options_.column, "one column or sample alone")->type_name("NAME");
-    group
-        ->add_option("--quantity", options_.quantity,
-                     "quantity of the values, overrides the file: plane_albedo, "
-                     "spherical_albedo, hemispherical, plane_transmittance, "
-                     "spherical_transmittance, brdf, reflectance_factor, hdrf, d8-sci, d8-sce, "
-                     "45-0, reflectance, transmittance")
-        ->type_name("WORD");
+    option(*group, "--format", options_.format, "NAME", "of the file, else recognised: " + names);
+    option(*group, "--column", options_.column, "NAME", "one column or sample alone");
+    option(*group, "--quantity", options_.quantity, "WORD",
+           "quantity of the values, overrides the file: plane_albedo, spherical_albedo, "
+           "hemispherical, plane_transmittance, spherical_transmittance, brdf, reflectance_factor, "
+           "hdrf, d8-sci, d8-sce, 45-0, reflectance, transmittance");
     auto* percent = group->add_flag("--percent", percent_, "the values are percent");
     group->add_flag("--shares", shares_, "the values are shares of 1, whatever the file says")
         ->excludes(percent);
-    group->add_option("--wavelength", wavelength_nm_, "wavelength in nm, of values without one")
-        ->type_name("NM");
+    option(*group, "--wavelength", options_.wavelength_nm, "NM",
+           "wavelength in nm, of values without one");
     mu_in_.add_to(*group, "cosine of incidence, of values without one");
     mu_out_.add_to(*group, "cosine of reflection, of values without one");
-    group
-        ->add_option("--azimuth", azimuth_deg_,
-                     "azimuth in degrees, 0 = mirror side, of values without one")
-        ->type_name("DEG");
-    group
-        ->add_option("--azimuth-zero", options_.azimuth_zero,
-                     "meaning of azimuth 0 in the file: mirror, or back (towards the source)")
-        ->type_name("SIDE");
-    group->add_option("--sigma", sigma_, "standard error of values without one")
-        ->type_name("NUMBER");
-    group->add_option("--relative-sigma", relative_sigma_, "the same, relative to the value")
-        ->type_name("NUMBER");
-    group->add_option("--wavelengths-file", wavelengths_, "of a spectrum of the USGS library")
-        ->type_name("FILE");
+    option(*group, "--azimuth", options_.azimuth_deg, "DEG",
+           "azimuth in degrees, 0 = mirror side, of values without one");
+    option(*group, "--azimuth-zero", options_.azimuth_zero, "SIDE",
+           "meaning of azimuth 0 in the file: mirror, or back (towards the source)");
+    option(*group, "--sigma", options_.sigma, "NUMBER", "standard error of values without one");
+    option(*group, "--relative-sigma", options_.relative_sigma, "NUMBER",
+           "the same, relative to the value");
+    option(*group, "--wavelengths-file", wavelengths_, "FILE", "of a spectrum of the USGS library");
 }
 
 Measurements MeasuredArguments::read(const std::string& path) const {
     MeasuredOptions options = options_;
-    const auto given = [&](const char* name) { return command_->get_option(name)->count() > 0; };
     if (percent_ || shares_) options.percent = percent_;
-    if (given("--wavelength")) options.wavelength_nm = wavelength_nm_;
-    if (given("--azimuth")) options.azimuth_deg = azimuth_deg_;
-    if (given("--sigma")) options.sigma = sigma_;
-    if (given("--relative-sigma")) options.relative_sigma = relative_sigma_;
     const auto one = [](const DirectionArgument& argument, const char* name) {
         const std::vector<double> list = argument.parse();
         if (list.size() != 1) {

@@ -22,12 +22,10 @@ class MeasuredArguments {
 
   private:
     MeasuredOptions options_;
-    std::string azimuth_zero_, wavelengths_;
-    double wavelength_nm_ = 0.0, azimuth_deg_ = 0.0, sigma_ = 0.0, relative_sigma_ = 0.0;
+    std::string wavelengths_;
     bool percent_ = false, shares_ = false;
     DirectionArgument mu_in_{DirectionArgument::Side::in};
     DirectionArgument mu_out_{DirectionArgument::Side::out};
-    CLI::App* command_ = nullptr;
 };
 
 /// Spectra as curves, one for each sample and kind.

@@ -103,8 +103,7 @@ int write_mueller(const Brdf& brdf, const BrdfQuestion& question, const Shell& s
     add_mirror(table, values);
     table.columns = columns_of(values.components);
     table.more_rows = rows_of(values, question.as_reflection ? std::numbers::pi : 1.0);
-    shell.write(std::move(table));
-    return values.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), values.converged());
 }
 
 }  // namespace miebrdf::program

@@ -107,8 +107,7 @@ int plan_scene_file(const std::string& path, const Shell& shell) {
             table.facts.emplace_back("not planned", name + ": plans are made of brdf and albedo");
         }
     }
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 template <typename Arguments>
@@ -122,8 +121,7 @@ void add_kind(CLI::App& plan, Shell& shell, const std::string& name, const std::
         Table table = empty_table();
         EarlierWork earlier;
         add_plans(table, arguments->parse(), shell.control(), earlier, name);
-        shell.write(std::move(table));
-        return kGood;
+        return shell.write(std::move(table));
     });
 }
 
@@ -132,7 +130,7 @@ void add_kind(CLI::App& plan, Shell& shell, const std::string& name, const std::
 void add_plan(CLI::App& command, Shell& shell) {
     auto path = std::make_shared<std::string>();
     command.require_subcommand(0, 1);
-    command.add_option("scene", *path, "scene file (TOML)")->type_name("SCENE.toml");
+    option(command, "scene", *path, "SCENE.toml", "scene file (TOML)");
     add_kind<BrdfArguments>(command, shell, "brdf",
                             "--base TiO2 --coat AlGaAs7@0.1 --mu-in 1 --mu-out 0.1:1:0.1");
     add_kind<AlbedoArguments>(command, shell, "albedo", "--base TiO2 --coat AlGaAs7@0.1");

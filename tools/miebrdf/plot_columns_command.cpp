@@ -103,32 +103,23 @@ void add_columns_plot(CLI::App& plot, Shell& shell) {
     auto arguments = std::make_shared<ColumnsArguments>();
     auto* command = plot.add_subcommand(
         "columns", "columns of CSV tables: results as lines, others as points beside them");
-    command
-        ->add_option("tables", arguments->tables,
-                     "tables whose rows become a line each: FILE.csv, or LABEL=FILE.csv")
-        ->type_name("TABLE")
+    option(*command, "tables", arguments->tables, "TABLE",
+           "tables whose rows become a line each: FILE.csv, or LABEL=FILE.csv")
         ->required();
-    command->add_option("--y", arguments->y, "column that is shown")->type_name("NAME")->required();
-    command->add_option("--x", arguments->x, "column along the abscissa")
-        ->type_name("NAME")
-        ->capture_default_str();
-    command
-        ->add_option("--points", arguments->points,
-                     "a table shown as points, in the colour of the line of the same label; repeat "
-                     "it for more")
-        ->type_name("TABLE")
+    option(*command, "--y", arguments->y, "NAME", "column that is shown")->required();
+    option(*command, "--x", arguments->x, "NAME", "column along the abscissa");
+    option(
+        *command, "--points", arguments->points, "TABLE",
+        "a table shown as points, in the colour of the line of the same label; repeat it for more")
         ->allow_extra_args(false);
-    command->add_option("--x-label", arguments->x_label, "label of the abscissa")
-        ->type_name("TEXT");
-    command->add_option("--y-label", arguments->y_label, "label of the ordinate")
-        ->type_name("TEXT");
-    command->add_option("--range", arguments->y_range, "ends of the ordinate: LOW,HIGH")
-        ->type_name("RANGE");
+    option(*command, "--x-label", arguments->x_label, "TEXT", "label of the abscissa");
+    option(*command, "--y-label", arguments->y_label, "TEXT", "label of the ordinate");
+    option(*command, "--range", arguments->y_range, "RANGE", "ends of the ordinate: LOW,HIGH");
     arguments->plot.add_to(*command);
-    shell.add_common_options(*command, Writes::file);
-    command->footer(
-        "Example:\n  miebrdf plot columns clean.csv 'sooty=soot.csv' --y plane_albedo -o snow.png");
-    shell.on_run(*command, [arguments, &shell] { return run(*arguments, shell); });
+    finish(
+        *command, shell, arguments, run,
+        "Example:\n  miebrdf plot columns clean.csv 'sooty=soot.csv' --y plane_albedo -o snow.png",
+        Writes::file);
 }
 
 }  // namespace miebrdf::program

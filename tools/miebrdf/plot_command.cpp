@@ -14,11 +14,9 @@
 namespace miebrdf::program {
 
 void PlotArguments::add_to(CLI::App& command) {
-    command.add_option("--title", title_, "title above the chart; default: what is shown")
-        ->type_name("TEXT");
-    command.add_option("--scale", scale_, "pixels of a PNG for each unit of the page (460 wide)")
-        ->check(CLI::Range(0.1, 20.0))
-        ->capture_default_str();
+    option(command, "--title", title_, "TEXT", "title above the chart; default: what is shown");
+    option(command, "--scale", scale_, "", "pixels of a PNG for each unit of the page (460 wide)")
+        ->check(CLI::Range(0.1, 20.0));
 }
 
 plot::Caption PlotArguments::caption(const Shell& shell, const std::string& otherwise) const {
@@ -63,26 +61,20 @@ CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
     auto* command = plot.add_subcommand(kind, title);
     arguments->scene.add_to(*command, shell, SceneArguments::Base::required, default_wavelengths);
     arguments->plot.add_to(*command);
-    shell.add_common_options(*command, Writes::file);
     return command;
 }
 
 void add_incidence_option(CLI::App& command, const std::string& incidence,
                           const ScenePlot& arguments) {
     arguments->incidence = incidence;
-    command
-        .add_option("--incidence,--theta-in,--sun-zenith", arguments->incidence,
-                    "angles of incidence, degrees from the normal")
-        ->type_name("LIST")
-        ->capture_default_str();
-    command
-        .add_option("--mu-in", arguments->cosines, "the same as cosines, in place of --incidence")
-        ->type_name("LIST");
+    option(command, "--incidence,--theta-in,--sun-zenith", arguments->incidence, "LIST",
+           "angles of incidence, degrees from the normal");
+    option(command, "--mu-in", arguments->cosines, "LIST",
+           "the same as cosines, in place of --incidence");
 }
 
 void add_component_options(CLI::App& command, const ScenePlot& arguments) {
-    command.add_option("--component", arguments->components, "total, subsurface, surface")
-        ->capture_default_str();
+    option(command, "--component", arguments->components, "", "total, subsurface, surface");
     command.add_flag("--log", arguments->logarithmic, "logarithmic scale of the values");
 }
 
@@ -125,16 +117,6 @@ std::vector<double> reflection_angles(const std::string& list,
     const auto same = [](double a, double b) { return b - a < 1e-9; };
     angles.erase(std::unique(angles.begin(), angles.end(), same), angles.end());
     return angles;
-}
-
-std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene) {
-    std::vector<BrdfPart> parts;
-    for (const std::string& name : split_list(text)) {
-        parts.push_back(parse_brdf_part(name));
-        if (parts.back() == BrdfPart::surface && !scene.surface)
-            throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
-    }
-    return parts;
 }
 
 std::pair<double, double> parse_range(const std::string& text, bool logarithmic) {

@@ -9,6 +9,7 @@
 #include <miebrdf/brdf.h>
 #include "pipeline/plot/picture.h"
 #include "tools/miebrdf/command.h"
+#include "tools/miebrdf/reflection_options.h"
 #include "tools/miebrdf/scene_options.h"
 
 namespace miebrdf::program {
@@ -60,7 +61,7 @@ struct ScenePlotArguments {
 
 using ScenePlot = std::shared_ptr<ScenePlotArguments>;
 
-/// A subcommand with the scene's options and the common ones.
+/// A subcommand with the options of the scene and of the chart.
 CLI::App* add_scene_kind(CLI::App& plot, Shell& shell, const std::string& kind,
                          const std::string& title, const ScenePlot& arguments,
                          const std::string& default_wavelengths = "rgb");
@@ -80,10 +81,6 @@ std::vector<double> incidences(const ScenePlotArguments& arguments);
 std::vector<double> reflection_angles(const std::string& list,
                                       const std::vector<double>& incidence_deg, double step,
                                       int count, double largest);
-
-/// Names of components, separated by commas.
-/// @throws UsageError  for an unknown name, and for the surface of a scene without one
-std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene);
 
 /// LOW,HIGH, ascending, and positive for a logarithmic scale. @throws UsageError
 std::pair<double, double> parse_range(const std::string& text, bool logarithmic);

@@ -191,40 +191,33 @@ void add_map_plots(CLI::App& plot, Shell& shell) {
         plot, shell, "hemisphere", "BRDF over all outgoing directions", hemisphere, kOneWavelength);
     add_incidence_option(*hemisphere_command, "45", hemisphere);
     add_component_options(*hemisphere_command, hemisphere);
-    hemisphere_command
-        ->add_option("--quantity", hemisphere->quantity,
-                     "brdf, or dolp: the degree of linear polarisation that the scene gives to "
-                     "unpolarised light")
-        ->check(CLI::IsMember({"brdf", "dolp"}))
-        ->capture_default_str();
-    hemisphere_command->footer(
-        "Example:\n  miebrdf plot hemisphere --base TiO2 --wavelengths 550 --incidence 60 --log -o "
-        "hemisphere.png");
-    shell.on_run(*hemisphere_command,
-                 [hemisphere, &shell] { return run_hemisphere(*hemisphere, shell); });
+    option(*hemisphere_command, "--quantity", hemisphere->quantity, "",
+           "brdf, or dolp: the degree of linear polarisation that the scene gives to unpolarised "
+           "light")
+        ->check(CLI::IsMember({"brdf", "dolp"}));
+    finish(*hemisphere_command, shell, hemisphere, run_hemisphere,
+           "Example:\n  miebrdf plot hemisphere --base TiO2 --wavelengths 550 --incidence 60 --log "
+           "-o hemisphere.png",
+           Writes::file);
 
     auto slice = std::make_shared<SliceArguments>();
     auto* slice_command =
         add_scene_kind(plot, shell, "slice", "BRDF over half and difference angle (Rusinkiewicz)",
                        slice, kOneWavelength);
     add_component_options(*slice_command, slice);
-    slice_command
-        ->add_option("--phi-d", slice->azimuth_deg, "azimuth of the difference angle, degrees")
-        ->check(CLI::Range(0.0, 360.0))
-        ->capture_default_str();
-    slice_command
-        ->add_option("--cells", slice->cells, "number of cells along each of the two angles")
-        ->check(CLI::Range(2, 870))
-        ->capture_default_str();
-    slice_command
-        ->add_option("--range", slice->range,
-                     "values at the ends of the colour scale; default: those up to 80 degrees from "
-                     "the normal")
-        ->type_name("LOW,HIGH");
-    slice_command->footer(
-        "Example:\n  miebrdf plot slice --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 "
-        "--wavelengths 550 --log -o slice.png");
-    shell.on_run(*slice_command, [slice, &shell] { return run_slice(*slice, shell); });
+    option(*slice_command, "--phi-d", slice->azimuth_deg, "",
+           "azimuth of the difference angle, degrees")
+        ->check(CLI::Range(0.0, 360.0));
+    option(*slice_command, "--cells", slice->cells, "",
+           "number of cells along each of the two angles")
+        ->check(CLI::Range(2, 870));
+    option(
+        *slice_command, "--range", slice->range, "LOW,HIGH",
+        "values at the ends of the colour scale; default: those up to 80 degrees from the normal");
+    finish(*slice_command, shell, slice, run_slice,
+           "Example:\n  miebrdf plot slice --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 "
+           "--wavelengths 550 --log -o slice.png",
+           Writes::file);
 }
 
 }  // namespace miebrdf::program

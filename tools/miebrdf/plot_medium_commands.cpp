@@ -137,59 +137,52 @@ int run_phase(const MediumPlotArguments& arguments, const Shell& shell) {
     return spectra.converged() ? kGood : kNotConverged;
 }
 
-CLI::App* add_kind(CLI::App& plot, Shell& shell, const std::string& kind, const std::string& title,
+CLI::App* add_kind(CLI::App& plot, const std::string& kind, const std::string& title,
                    MediumPlotArguments& arguments) {
     auto* command = plot.add_subcommand(kind, title);
-    command
-        ->add_option("media", arguments.media,
-                     "one curve for each: NAME, index:N,K, hg:ALBEDO,G, ...")
-        ->type_name("MEDIUM...")
+    option(*command, "media", arguments.media, "MEDIUM...",
+           "one curve for each: NAME, index:N,K, hg:ALBEDO,G, ...")
         ->required();
     arguments.plot.add_to(*command);
-    shell.add_common_options(*command, Writes::file);
     return command;
 }
 
 void add_vary(CLI::App& command, MediumPlotArguments& arguments) {
-    command
-        .add_option("--vary", arguments.vary,
-                    "a family of one medium: radius=FROM:TO:COUNT or radius=A,B,C (um), or "
-                    "concentration of its first species")
-        ->type_name("FAMILY");
+    option(command, "--vary", arguments.vary, "FAMILY",
+           "a family of one medium: radius=FROM:TO:COUNT or radius=A,B,C (um), or concentration of "
+           "its first species");
 }
 
 }  // namespace
 
 void add_medium_plots(CLI::App& plot, Shell& shell) {
     auto nk = std::make_shared<MediumPlotArguments>();
-    auto* nk_command = add_kind(plot, shell, "nk", "n and k against wavelength", *nk);
+    auto* nk_command = add_kind(plot, "nk", "n and k against wavelength", *nk);
     nk->scene.add_to(*nk_command, shell, {"wavelengths", "database"}, "360:830:2");
-    nk_command->footer("Example:\n  miebrdf plot nk GaP TiO2 AlGaAs7 -o nk.svg");
-    shell.on_run(*nk_command, [nk, &shell] { return run_nk(*nk, shell); });
+    finish(*nk_command, shell, nk, run_nk, "Example:\n  miebrdf plot nk GaP TiO2 AlGaAs7 -o nk.svg",
+           Writes::file);
 
     auto optics = std::make_shared<MediumPlotArguments>();
-    auto* optics_command = add_kind(plot, shell, "optics",
-                                    "albedo, asymmetry and extinction against wavelength", *optics);
+    auto* optics_command =
+        add_kind(plot, "optics", "albedo, asymmetry and extinction against wavelength", *optics);
     optics->options.add_to(*optics_command, shell, "400:700:10");
     add_vary(*optics_command, *optics);
-    optics_command->footer("Example:\n  miebrdf plot optics TiO2 AlGaAs7 -o optics.png");
-    shell.on_run(*optics_command, [optics, &shell] { return run_optics(*optics, shell); });
+    finish(*optics_command, shell, optics, run_optics,
+           "Example:\n  miebrdf plot optics TiO2 AlGaAs7 -o optics.png", Writes::file);
 
     auto phase = std::make_shared<MediumPlotArguments>();
     auto* phase_command =
-        add_kind(plot, shell, "phase", "phase function against the scattering angle", *phase);
+        add_kind(plot, "phase", "phase function against the scattering angle", *phase);
     phase->options.add_to(*phase_command, shell, "550");
     add_vary(*phase_command, *phase);
     phase_command->add_flag("--polar", phase->polar,
                             "draw it around the particle, with a logarithmic radius");
-    phase_command
-        ->add_option("--decades", phase->decades,
-                     "decades that the polar radius shows; 0: as many as needed")
-        ->check(CLI::Range(0, 12))
-        ->capture_default_str();
-    phase_command->footer(
-        "Example:\n  miebrdf plot phase AlGaAs7 hg:0.9,0.75 --wavelengths 550 -o phase.png");
-    shell.on_run(*phase_command, [phase, &shell] { return run_phase(*phase, shell); });
+    option(*phase_command, "--decades", phase->decades, "",
+           "decades that the polar radius shows; 0: as many as needed")
+        ->check(CLI::Range(0, 12));
+    finish(*phase_command, shell, phase, run_phase,
+           "Example:\n  miebrdf plot phase AlGaAs7 hg:0.9,0.75 --wavelengths 550 -o phase.png",
+           Writes::file);
 }
 
 }  // namespace miebrdf::program

@@ -115,11 +115,10 @@ void add_phase_angle_plot(CLI::App& plot, Shell& shell) {
         "--radiance-factor", arguments->radiance_factor,
         "show I/F = pi mu_in BRDF, the radiance relative to that of a white Lambertian "
         "disk lit and seen along its normal");
-    command->footer(
-        "Example:\n  miebrdf plot phase-angle --base H2O_ice,radius=50 --tolerance 1e-2 "
-        "--incidence "
-        "60 --log -o phase-angle.png");
-    shell.on_run(*command, [arguments, &shell] { return run_phase_angle(*arguments, shell); });
+    finish(*command, shell, arguments, run_phase_angle,
+           "Example:\n  miebrdf plot phase-angle --base H2O_ice,radius=50 --tolerance 1e-2 "
+           "--incidence 60 --log -o phase-angle.png",
+           Writes::file);
 }
 
 }  // namespace miebrdf::program

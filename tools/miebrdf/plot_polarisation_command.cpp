@@ -75,10 +75,10 @@ void add_polarisation_plot(CLI::App& plot, Shell& shell) {
                                    "polarisation of reflected light along the principal plane",
                                    arguments, kOneWavelength);
     add_incidence_option(*command, "45", arguments);
-    command->footer(
-        "Example:\n  miebrdf plot polarisation --base rayleigh:0.9 --incidence 30,60 -o "
-        "polarisation.png");
-    shell.on_run(*command, [arguments, &shell] { return run_polarisation(*arguments, shell); });
+    finish(*command, shell, arguments, run_polarisation,
+           "Example:\n  miebrdf plot polarisation --base rayleigh:0.9 --incidence 30,60 -o "
+           "polarisation.png",
+           Writes::file);
 }
 
 }  // namespace miebrdf::program

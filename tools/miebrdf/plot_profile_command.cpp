@@ -156,30 +156,22 @@ void add_profile_plot(CLI::App& plot, Shell& shell) {
                                    profile, kOneWavelength);
     add_incidence_option(*command, "0,30,60", profile);
     add_component_options(*command, profile);
-    command
-        ->add_option("--azimuth", profile->azimuth_deg,
-                     "degrees; 180 is back towards the source, 0 the mirror side")
-        ->check(CLI::Range(0.0, 360.0))
-        ->capture_default_str();
-    command
-        ->add_option("--compare-coat-method", profile->coat_methods,
-                     "show the result of this --coat-method, too; repeat it for more")
-        ->type_name("METHOD")
+    option(*command, "--azimuth", profile->azimuth_deg, "",
+           "degrees; 180 is back towards the source, 0 the mirror side")
+        ->check(CLI::Range(0.0, 360.0));
+    option(*command, "--compare-coat-method", profile->coat_methods, "METHOD",
+           "show the result of this --coat-method, too; repeat it for more")
         ->allow_extra_args(false);
-    command->add_option("--range", profile->range, "ends of the value axis")->type_name("LOW,HIGH");
-    command
-        ->add_option("--points", profile->points,
-                     "values to draw as points: a table like that of `miebrdf brdf`, or whatever "
-                     "`miebrdf measured` reads")
-        ->type_name("FILE");
-    command
-        ->add_option("--points-label", profile->points_label, "name of these points in the legend")
-        ->type_name("TEXT")
-        ->capture_default_str();
-    command->footer(
-        "Example:\n  miebrdf plot profile --base TiO2 --coat AlGaAs7@0.1 --wavelengths 450 "
-        "--incidence 0,60 --compare-coat-method first-order --log --range 0.1,3 -o profile.png");
-    shell.on_run(*command, [profile, &shell] { return run_profile(*profile, shell); });
+    option(*command, "--range", profile->range, "LOW,HIGH", "ends of the value axis");
+    option(*command, "--points", profile->points, "FILE",
+           "values to draw as points: a table like that of `miebrdf brdf`, or whatever `miebrdf "
+           "measured` reads");
+    option(*command, "--points-label", profile->points_label, "TEXT",
+           "name of these points in the legend");
+    finish(*command, shell, profile, run_profile,
+           "Example:\n  miebrdf plot profile --base TiO2 --coat AlGaAs7@0.1 --wavelengths 450 "
+           "--incidence 0,60 --compare-coat-method first-order --log --range 0.1,3 -o profile.png",
+           Writes::file);
 }
 
 }  // namespace miebrdf::program

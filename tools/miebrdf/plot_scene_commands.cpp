@@ -184,13 +184,12 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
     add_scene_choices(*lobe_command, lobe);
     lobe_command->add_flag("--cosine", lobe->cosine,
                            "show the BRDF times the cosine of the angle of reflection");
-    lobe_command->add_option("--decades", lobe->decades, "decades that a logarithmic radius shows")
-        ->check(CLI::Range(1, 12))
-        ->capture_default_str();
-    lobe_command->footer(
-        "Example:\n  miebrdf plot lobe --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 "
-        "--wavelengths 550 -o lobe.png");
-    shell.on_run(*lobe_command, [lobe, &shell] { return run_lobe(*lobe, shell); });
+    option(*lobe_command, "--decades", lobe->decades, "", "decades that a logarithmic radius shows")
+        ->check(CLI::Range(1, 12));
+    finish(*lobe_command, shell, lobe, run_lobe,
+           "Example:\n  miebrdf plot lobe --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 "
+           "--wavelengths 550 -o lobe.png",
+           Writes::file);
 
     auto spectrum = std::make_shared<ScenePlotArguments>();
     auto* spectrum_command = add_scene_kind(plot, shell, "spectrum",
@@ -199,16 +198,14 @@ void add_scene_plots(CLI::App& plot, Shell& shell) {
                                             spectrum);
     add_incidence_option(*spectrum_command, "0,60", spectrum);
     add_scene_choices(*spectrum_command, spectrum);
-    spectrum_command
-        ->add_option("--points", spectrum->points,
-                     "measured spectra to draw as points: whatever `miebrdf measured` reads; "
-                     "repeat it for more")
-        ->type_name("FILE")
+    option(
+        *spectrum_command, "--points", spectrum->points, "FILE",
+        "measured spectra to draw as points: whatever `miebrdf measured` reads; repeat it for more")
         ->allow_extra_args(false);
-    spectrum_command->footer(
-        "Example:\n  miebrdf plot spectrum --base AlGaAs7 --wavelengths 400:700:10 -o "
-        "spectrum.svg");
-    shell.on_run(*spectrum_command, [spectrum, &shell] { return run_spectrum(*spectrum, shell); });
+    finish(
+        *spectrum_command, shell, spectrum, run_spectrum,
+        "Example:\n  miebrdf plot spectrum --base AlGaAs7 --wavelengths 400:700:10 -o spectrum.svg",
+        Writes::file);
 }
 
 }  // namespace miebrdf::program

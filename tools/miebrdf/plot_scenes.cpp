@@ -105,19 +105,14 @@ void label_all(std::vector<ShownScene>& scenes, const std::vector<std::string>& 
 }  // namespace
 
 void add_scene_choices(CLI::App& command, const ScenePlot& arguments) {
-    command
-        .add_option("--compare", arguments->compare,
-                    "show this beside it, too: another base (MEDIUM), a scene file (FILE.toml), or "
-                    "the scene with other words: 'coat=AlGaAs7@0.5', 'depth=0.5' (of the top "
-                    "coat), 'roughness=0.1', several with ; between, none for nothing; repeat it "
-                    "for more")
-        ->type_name("SCENE")
+    option(command, "--compare", arguments->compare, "SCENE",
+           "show this beside it, too: another base (MEDIUM), a scene file (FILE.toml), or the "
+           "scene with other words: 'coat=AlGaAs7@0.5', 'depth=0.5' (of the top coat), "
+           "'roughness=0.1', several with ; between, none for nothing; repeat it for more")
         ->allow_extra_args(false);
-    command
-        .add_option("--vary", arguments->vary,
-                    "a family of curves: NAME=FROM:TO:COUNT or NAME=A,B,C of depth, roughness, "
-                    "radius, concentration or an option of one number")
-        ->type_name("FAMILY");
+    option(command, "--vary", arguments->vary, "FAMILY",
+           "a family of curves: NAME=FROM:TO:COUNT or NAME=A,B,C of depth, roughness, radius, "
+           "concentration or an option of one number");
 }
 
 std::vector<ShownScene> shown_scenes(const ScenePlotArguments& arguments, const Request& first) {

@@ -265,9 +265,7 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
             line += " " + word;
             continue;
         }
-        line += " '";
-        for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        line += "'";
+        line += " " + materials::shell_quoted(word);
     }
     return line;
 }

@@ -15,20 +15,6 @@ CLI::Option* add_list(CLI::App& command, const char* name, std::string& text, co
     return command.add_option(name, text, help)->type_name("LIST");
 }
 
-/// Each once, in the order typed.
-std::vector<BrdfPart> parse_components(const std::string& text, bool has_surface) {
-    std::vector<BrdfPart> parts;
-    for (const std::string& name : split_list(text)) {
-        const BrdfPart part = parse_brdf_part(name);
-        if (std::find(parts.begin(), parts.end(), part) != parts.end())
-            throw UsageError(fmt::format("component '{}' is named twice", name));
-        if (part == BrdfPart::surface && !has_surface)
-            throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
-        parts.push_back(part);
-    }
-    return parts;
-}
-
 /// Sorts the wavelengths and refuses those that no colour can be told from: fewer than eight, or
 /// not from 430 nm or less to 650 nm or more. @throws UsageError
 void prepare_for_colour(std::vector<double>& wavelength_nm) {
@@ -83,12 +69,9 @@ CLI::Option* add_diffuse_fraction(CLI::App& command, std::string& text, const st
 }
 
 void add_derivatives(CLI::App& command, std::string& text) {
-    command
-        .add_option("--derivatives", text,
-                    "adds a column VALUE_d_NAME for each of these numbers of the scene: those "
-                    "that have a name in its words, hg:{w=0.9},{g=0.6}@{tau=2}, and n(MATERIAL), "
-                    "k(MATERIAL)")
-        ->type_name("NAMES");
+    option(command, "--derivatives", text, "NAMES",
+           "adds a column VALUE_d_NAME for each of these numbers of the scene: those that have a "
+           "name in its words, hg:{w=0.9},{g=0.6}@{tau=2}, and n(MATERIAL), k(MATERIAL)");
 }
 
 /// @param excluded  why there are no derivatives here; empty: there are
@@ -101,18 +84,26 @@ std::vector<std::string> parse_derivatives(const std::string& text, const std::s
 
 }  // namespace
 
+std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene) {
+    std::vector<BrdfPart> parts;
+    for (const std::string& name : split_list(text)) {
+        const BrdfPart part = parse_brdf_part(name);
+        if (std::find(parts.begin(), parts.end(), part) != parts.end())
+            throw UsageError(fmt::format("component '{}' is named twice", name));
+        if (part == BrdfPart::surface && !scene.surface)
+            throw UsageError("component 'surface' needs a surface; give --roughness, e.g. 0.3");
+        parts.push_back(part);
+    }
+    return parts;
+}
+
 void ColourArguments::add_to(CLI::App& command) {
-    command
-        .add_option("--colour,--color", viewing_,
-                    "colours instead of spectra: XYZ, Lab, LCh, sRGB under illuminant d65, d50, a "
-                    "or e, by the 2-degree observer or, after a comma, that of 10: d65,10")
-        ->type_name("ILLUMINANT");
-    command
-        .add_option(
-            "--reference", reference_,
-            "file whose colours these are compared with (de76, de2000): a scene file, a "
-            "table of this command, or a measured spectrum (whatever `miebrdf measured` reads)")
-        ->type_name("FILE");
+    option(command, "--colour,--color", viewing_, "ILLUMINANT",
+           "colours instead of spectra: XYZ, Lab, LCh, sRGB under illuminant d65, d50, a or e, by "
+           "the 2-degree observer or, after a comma, that of 10: d65,10");
+    option(command, "--reference", reference_, "FILE",
+           "file whose colours these are compared with (de76, de2000): a scene file, a table of "
+           "this command, or a measured spectrum (whatever `miebrdf measured` reads)");
 }
 
 std::optional<Viewing> ColourArguments::parse(std::vector<double>& wavelength_nm) const {
@@ -136,12 +127,9 @@ void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
     add_list(command, "--component", components_,
              "total, subsurface, surface; several give a column each")
         ->capture_default_str();
-    command
-        .add_option("--quantity", quantity_,
-                    "brdf (1/sr), reflection (pi times it) or hdrf (hemispherical-directional "
-                    "reflectance factor, of sun and sky together)")
-        ->type_name("NAME")
-        ->capture_default_str();
+    option(command, "--quantity", quantity_, "NAME",
+           "brdf (1/sr), reflection (pi times it) or hdrf (hemispherical-directional reflectance "
+           "factor, of sun and sky together)");
     add_diffuse_fraction(command, diffuse_fraction_, "belongs to --quantity hdrf");
     add_derivatives(command, derivatives_);
     colour_.add_to(command);
@@ -152,7 +140,7 @@ BrdfQuestion BrdfArguments::parse() const {
     question.request = scene_.parse();
     question.directions = {mu_in_.parse(), mu_out_.parse(),
                            parse_number_list(azimuth_, "azimuth (degrees)", -360.0, 360.0)};
-    question.columns = parse_components(components_, question.request.scene.surface.has_value());
+    question.columns = parse_components(components_, question.request.scene);
     const auto wanted = [&](BrdfPart part) {
         return std::find(question.columns.begin(), question.columns.end(), part) !=
                question.columns.end();
@@ -190,12 +178,10 @@ void AlbedoArguments::add_to(CLI::App& command, Shell& shell) {
                   "0.1:1:0.1; 1 with --over");
     add_diffuse_fraction(command, diffuse_fraction_, "adds the blue-sky albedo");
     add_derivatives(command, derivatives_);
-    command
-        .add_option("--over", over_,
-                    "a dark and a light ground in place of one below, each as in --substrate; "
-                    "black,white is a drawdown over a black and a white (albedo 0.8) chart: "
-                    "contrast ratio and, with --colour, hiding power")
-        ->type_name("GROUNDS");
+    option(command, "--over", over_, "GROUNDS",
+           "a dark and a light ground in place of one below, each as in --substrate; black,white "
+           "is a drawdown over a black and a white (albedo 0.8) chart: contrast ratio and, with "
+           "--colour, hiding power");
     colour_.add_to(command);
 }
 

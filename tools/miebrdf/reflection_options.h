@@ -13,6 +13,10 @@
 
 namespace miebrdf::program {
 
+/// Names of components, separated by commas, each once, in the order typed.
+/// @throws UsageError  for an unknown name, and for the surface of a scene without one
+std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene);
+
 /// `--colour` and `--reference`.
 class ColourArguments {
   public:

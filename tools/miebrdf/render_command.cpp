@@ -265,11 +265,10 @@ void add_render(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<RenderArguments>();
     arguments->scene.add_to(command, shell, SceneArguments::Base::optional, kDefaultWavelengths);
     add_render_options(command, *arguments);
-    shell.add_common_options(command, Writes::file);
-    command.footer(
-        "Example:\n  miebrdf render --base TiO2 --coat AlGaAs_70@0.1 --roughness 0.3 -o "
-        "sphere.png");
-    shell.on_run(command, [arguments, &shell] { return run_render(*arguments, shell); });
+    finish(
+        command, shell, arguments, run_render,
+        "Example:\n  miebrdf render --base TiO2 --coat AlGaAs_70@0.1 --roughness 0.3 -o sphere.png",
+        Writes::file);
 }
 
 }  // namespace miebrdf::program

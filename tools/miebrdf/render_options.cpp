@@ -13,84 +13,53 @@ namespace {
 
 void add_material_options(CLI::App& command, RenderArguments& a) {
     auto* group = command.add_option_group("Materials and regions");
-    group
-        ->add_option("--material", a.materials,
-                     "scene options of one material in one string without their dashes, instead of "
-                     "--base; repeat for several regions; numbers of hg: and the like may be lists "
-                     "a/b/c, one value for each wavelength")
-        ->type_name("'base=MEDIUM coat=MEDIUM@DEPTH roughness=A ...'")
+    option(*group, "--material", a.materials, "'base=MEDIUM coat=MEDIUM@DEPTH roughness=A ...'",
+           "scene options of one material in one string without their dashes, instead of --base; "
+           "repeat for several regions; numbers of hg: and the like may be lists a/b/c, one value "
+           "for each wavelength")
         ->allow_extra_args(false);
-    group
-        ->add_option(
-            "--split", a.split,
-            "first material on the left, second on the right; SHARE of the width is the border")
-        ->type_name("SHARE");
-    group
-        ->add_option("--mask", a.mask,
-                     "grey levels choose materials: black the first, white the last")
-        ->type_name("FILE.png");
-    group->add_option("--mask-projection", a.mask_projection, "front or uv")->capture_default_str();
-    group->add_option("--component", a.component, "total, subsurface or surface")
-        ->capture_default_str();
-    group
-        ->add_option("--table", a.table,
-                     "cosines and most azimuthal orders of the table of light scattered more than "
-                     "once; 0: as many as it takes")
-        ->type_name("N,N")
-        ->capture_default_str();
+    option(*group, "--split", a.split, "SHARE",
+           "first material on the left, second on the right; SHARE of the width is the border");
+    option(*group, "--mask", a.mask, "FILE.png",
+           "grey levels choose materials: black the first, white the last");
+    option(*group, "--mask-projection", a.mask_projection, "", "front or uv");
+    option(*group, "--component", a.component, "", "total, subsurface or surface");
+    option(*group, "--table", a.table, "N,N",
+           "cosines and most azimuthal orders of the table of light scattered more than once; 0: "
+           "as many as it takes");
     group->add_flag("--measure-interpolation", a.measure_interpolation,
                     "compare the table with the solver between its nodes");
 }
 
 void add_picture_options(CLI::App& command, RenderArguments& a) {
     auto* group = command.add_option_group("Picture");
-    group->add_option("--object", a.object, "sphere, knot, plaque or FILE.obj")
-        ->capture_default_str();
-    group
-        ->add_option("--light", a.lights,
-                     "directional:ELEVATION,AZIMUTH[,IRRADIANCE], area:ELEVATION,AZIMUTH,SIZE"
-                     "[,IRRADIANCE], uniform:RADIANCE, sky:ELEVATION,AZIMUTH[,SCALE] or "
-                     "map:FILE[,SCALE] (.exr, .hdr); degrees, azimuth from the front to the right; "
-                     "repeat for more")
-        ->type_name("LIGHT")
-        ->allow_extra_args(false)
-        ->capture_default_str();
-    group
-        ->add_option("--light-spectrum", a.light_spectrum,
-                     "spectrum of directional, area and uniform light: white (D65), equal or "
-                     "blackbody:KELVIN")
-        ->capture_default_str();
-    group->add_option("--camera", a.camera, "elevation and azimuth of the camera in degrees")
-        ->type_name("ELEVATION,AZIMUTH")
-        ->capture_default_str();
-    group->add_option("--field-of-view", a.field_of_view_deg, "degrees; 0: parallel rays")
-        ->capture_default_str();
-    group->add_option("--zoom", a.zoom, "1: the object's bounding sphere touches the edges")
-        ->capture_default_str();
-    group->add_option("--size", a.size, "size of the picture in pixels; one number: a square")
-        ->type_name("WIDTH[,HEIGHT]")
-        ->capture_default_str();
-    group->add_option("--samples", a.options.samples, "paths for each pixel")
-        ->capture_default_str();
-    group->add_option("--bounces", a.options.bounces, "most reflections of a path; 1: direct light")
-        ->capture_default_str();
-    group
-        ->add_option(
-            "--clamp", a.options.clamp,
-            "limit of the radiance (mean over the wavelengths) that one path adds by light "
-            "reflected twice and more; 0: no limit. Removes bright specks of rare paths, and "
-            "prints the share of light removed")
-        ->capture_default_str();
-    group->add_option("--seed", a.options.seed, "seed of the random samples")
-        ->capture_default_str();
-    group->add_option("--exposure", a.exposure, "brightens the PNG by powers of two")
-        ->capture_default_str();
-    group
-        ->add_option("--background", a.background,
-                     "background of the PNG: linear R,G,B in [0, 1], transparent or environment")
-        ->capture_default_str();
-    group->add_option("--exr", a.exr, "write linear RGB and every wavelength to FILE")
-        ->type_name("FILE");
+    option(*group, "--object", a.object, "", "sphere, knot, plaque or FILE.obj");
+    option(*group, "--light", a.lights, "LIGHT",
+           "directional:ELEVATION,AZIMUTH[,IRRADIANCE], area:ELEVATION,AZIMUTH,SIZE[,IRRADIANCE], "
+           "uniform:RADIANCE, sky:ELEVATION,AZIMUTH[,SCALE] or map:FILE[,SCALE] (.exr, .hdr); "
+           "degrees, azimuth from the front to the right; repeat for more")
+        ->allow_extra_args(false);
+    option(
+        *group, "--light-spectrum", a.light_spectrum, "",
+        "spectrum of directional, area and uniform light: white (D65), equal or blackbody:KELVIN");
+    option(*group, "--camera", a.camera, "ELEVATION,AZIMUTH",
+           "elevation and azimuth of the camera in degrees");
+    option(*group, "--field-of-view", a.field_of_view_deg, "", "degrees; 0: parallel rays");
+    option(*group, "--zoom", a.zoom, "", "1: the object's bounding sphere touches the edges");
+    option(*group, "--size", a.size, "WIDTH[,HEIGHT]",
+           "size of the picture in pixels; one number: a square");
+    option(*group, "--samples", a.options.samples, "", "paths for each pixel");
+    option(*group, "--bounces", a.options.bounces, "",
+           "most reflections of a path; 1: direct light");
+    option(*group, "--clamp", a.options.clamp, "",
+           "limit of the radiance (mean over the wavelengths) that one path adds by light "
+           "reflected twice and more; 0: no limit. Removes bright specks of rare paths, and prints "
+           "the share of light removed");
+    option(*group, "--seed", a.options.seed, "", "seed of the random samples");
+    option(*group, "--exposure", a.exposure, "", "brightens the PNG by powers of two");
+    option(*group, "--background", a.background, "",
+           "background of the PNG: linear R,G,B in [0, 1], transparent or environment");
+    option(*group, "--exr", a.exr, "FILE", "write linear RGB and every wavelength to FILE");
 }
 
 /// A word of a scene as it was written; switches have no value.
@@ -152,15 +121,6 @@ std::vector<Word> words_of(const std::string& text) {
     return words;
 }
 
-/// The names that a material may say; wavelengths belong to the whole picture.
-std::vector<std::string> names_of_words() {
-    std::vector<std::string> names;
-    for (const SceneWord& word : scene_words()) {
-        if (word.name != "wavelengths") names.push_back(word.name);
-    }
-    return names;
-}
-
 Request parse_words(const std::vector<Word>& words, const std::string& text) {
     const auto refuse = [&](const std::string& reason) {
         throw UsageError(fmt::format(
@@ -176,7 +136,7 @@ Request parse_words(const std::vector<Word>& words, const std::string& text) {
         }
         if (known == nullptr) {
             refuse(fmt::format("unknown word '{}'{}", word.key,
-                               did_you_mean(word.key, names_of_words())));
+                               did_you_mean(word.key, scene_word_names("wavelengths"))));
         }
         const bool is_flag = known->kind == WordKind::flag;
         if (is_flag != word.value.empty()) {

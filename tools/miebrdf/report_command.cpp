@@ -130,25 +130,19 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
 
 void add_report(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ReportArguments>();
-    command
-        .add_option(
-            "scenes", arguments->files,
-            "one or two scene files, to be compared side by side; of FILE.toml#2 the second "
-            "result's scene is shown, else that of the first")
-        ->type_name("SCENE.toml");
+    option(command, "scenes", arguments->files, "SCENE.toml",
+           "one or two scene files, to be compared side by side; of FILE.toml#2 the second "
+           "result's scene is shown, else that of the first");
     arguments->scene.add_to(command, shell, SceneArguments::Base::optional, kReportWavelengths);
-    command
-        .add_option("--vary", arguments->vary,
-                    "solve the scene COUNT times, with a slider on the page; NAME is depth (of the "
-                    "top layer, in its own unit), roughness, radius or concentration (of the top "
-                    "layer's first particles), or any option of the scene that takes a number")
-        ->type_name("NAME=FROM:TO:COUNT");
-    command.add_option("--title", arguments->title, "title of the page")->type_name("TEXT");
-    shell.add_common_options(command, Writes::file);
-    command.footer(
-        "Example:\n  miebrdf report --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 -o "
-        "report.html\n  miebrdf report matt.toml glossy.toml -o pair.html");
-    shell.on_run(command, [arguments, &shell] { return run_report(*arguments, shell); });
+    option(command, "--vary", arguments->vary, "NAME=FROM:TO:COUNT",
+           "solve the scene COUNT times, with a slider on the page; NAME is depth (of the top "
+           "layer, in its own unit), roughness, radius or concentration (of the top layer's first "
+           "particles), or any option of the scene that takes a number");
+    option(command, "--title", arguments->title, "TEXT", "title of the page");
+    finish(command, shell, arguments, run_report,
+           "Example:\n  miebrdf report --base TiO2 --coat AlGaAs7@0.1 --roughness 0.3 -o "
+           "report.html\n  miebrdf report matt.toml glossy.toml -o pair.html",
+           Writes::file);
 }
 
 }  // namespace miebrdf::program

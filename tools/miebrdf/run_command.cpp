@@ -202,14 +202,10 @@ void read_keys(const SceneFileResult& result, CLI::App& command) {
 
 void add_run(CLI::App& command, Shell& shell) {
     auto path = std::make_shared<std::string>();
-    command
-        .add_option("scene", *path,
-                    "scene file (TOML); its keys are the options of the commands, without dashes")
-        ->type_name("SCENE.toml")
+    option(command, "scene", *path, "SCENE.toml",
+           "scene file (TOML); its keys are the options of the commands, without dashes")
         ->required();
-    shell.add_common_options(command);
-    command.footer("Example:\n  miebrdf run docs/examples/paint.toml");
-    shell.on_run(command, [path, &shell] { return run(*path, shell); });
+    finish(command, shell, path, run, "Example:\n  miebrdf run docs/examples/paint.toml");
 }
 
 }  // namespace miebrdf::program

@@ -127,29 +127,28 @@ int run(const SphereArguments& arguments, const Shell& shell) {
                 "\"index:N,K,radius=R,distribution=mono,shape=spheroid,aspect=A,method=t-matrix\"");
         }
         bool converged = true;
-        shell.write(spheroids(particle.index, *arguments.aspect, sizes, converged));
-        return converged ? kGood : kNotConverged;
+        return shell.write(spheroids(particle.index, *arguments.aspect, sizes, converged),
+                           converged);
     }
     Table table = arguments.angles.empty()
                       ? efficiencies(particle, sizes)
                       : amplitudes(particle, sizes,
                                    parse_number_list(arguments.angles, "scattering angle (degrees)",
                                                      0.0, 180.0));
-    shell.write(std::move(table));
-    return kGood;
+    return shell.write(std::move(table));
 }
 
 constexpr double kDefaultMieTolerance = 1e-4;
 
 struct MediumArguments {
     std::string medium;
-    int highest_moment = -1;
+    std::optional<int> highest_moment;
     std::string angles;
     bool matrix = false;
     MediaArguments media;
 
     MediaSpectra look_up(const std::vector<double>& angles_deg) const {
-        return media.look_up({medium}, {.highest_moment = highest_moment,
+        return media.look_up({medium}, {.highest_moment = highest_moment.value_or(-1),
                                         .angles_deg = angles_deg,
                                         .tolerance = kDefaultMieTolerance,
                                         .polarisation = matrix});
@@ -206,8 +205,7 @@ int write_optics(MediaSpectra spectra, const Shell& shell) {
         table.columns.push_back(fmt::format("chi_{}", l));
     for (std::size_t w = 0; w < spectra.optics.size(); ++w)
         table.rows.push_back(optics_row(spectra, w));
-    shell.write(std::move(table));
-    return spectra.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), spectra.converged());
 }
 
 int write_phase(MediaSpectra spectra, const Shell& shell) {
@@ -225,8 +223,7 @@ int write_phase(MediaSpectra spectra, const Shell& shell) {
                                   optics.phase_error[a]});
         }
     }
-    shell.write(std::move(table));
-    return spectra.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), spectra.converged());
 }
 
 /// The scattering matrix: of unpolarised media its first element alone.
@@ -249,14 +246,11 @@ int write_matrix(MediaSpectra spectra, const std::vector<double>& angles_deg, co
                                   f.b1, f.b2, optics.error_estimate});
         }
     }
-    shell.write(std::move(table));
-    return spectra.converged() ? kGood : kNotConverged;
+    return shell.write(std::move(table), spectra.converged());
 }
 
 void add_medium_options(CLI::App& command, Shell& shell, MediumArguments& arguments) {
-    command.add_option("medium", arguments.medium, forms_of_media())
-        ->type_name("MEDIUM")
-        ->required();
+    option(command, "medium", arguments.medium, "MEDIUM", forms_of_media())->required();
     arguments.media.add_to(command, shell, "rgb");
 }
 
@@ -264,45 +258,32 @@ void add_medium_options(CLI::App& command, Shell& shell, MediumArguments& argume
 
 void add_sphere(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<SphereArguments>();
-    command
-        .add_option("--index", arguments->index, "refractive index relative to the host, n + ik")
-        ->type_name("N,K")
+    option(command, "--index", arguments->index, "N,K",
+           "refractive index relative to the host, n + ik")
         ->required();
-    command
-        .add_option("--size-parameter", arguments->size_parameters,
-                    "2 pi radius / wavelength in the host, list or range")
-        ->type_name("LIST")
+    option(command, "--size-parameter", arguments->size_parameters, "LIST",
+           "2 pi radius / wavelength in the host, list or range")
         ->required();
-    command
-        .add_option("--coating", arguments->coatings,
-                    "a coating: its index and the size parameter of its outside; repeated, from "
-                    "inside out")
-        ->type_name("N,K,Y")
+    option(command, "--coating", arguments->coatings, "N,K,Y",
+           "a coating: its index and the size parameter of its outside; repeated, from inside out")
         ->take_all();
-    command
-        .add_option("--aspect", arguments->aspect,
-                    "a spheroid in random orientation: its equatorial axis over its axis of "
-                    "rotation, 0.25 to 4; size parameters are of the sphere of the same volume")
-        ->type_name("A");
-    command
-        .add_option("--angles", arguments->angles,
-                    "scattering angles in degrees: print amplitudes S1, S2 there instead")
-        ->type_name("LIST");
-    shell.add_common_options(command);
-    command.footer(
-        "Columns: efficiencies q_ext, q_sca, q_abs are cross-sections over that of the whole "
-        "particle;\nq_back is the radar backscattering efficiency, 4 pi times the cross-section "
-        "per steradian at\n180 degrees over it, |sum (2n + 1) (-1)^n (a_n - b_n)|^2 / y^2; "
-        "asymmetry is <cos Theta>.\n\n"
-        "Example:\n  miebrdf sphere --index 1.5,0.01 --size-parameter 1,10,100");
-    shell.on_run(command, [arguments, &shell] { return run(*arguments, shell); });
+    option(command, "--aspect", arguments->aspect, "A",
+           "a spheroid in random orientation: its equatorial axis over its axis of rotation, 0.25 "
+           "to 4; size parameters are of the sphere of the same volume");
+    option(command, "--angles", arguments->angles, "LIST",
+           "scattering angles in degrees: print amplitudes S1, S2 there instead");
+    finish(command, shell, arguments, run,
+           "Columns: efficiencies q_ext, q_sca, q_abs are cross-sections over that of the whole "
+           "particle;\nq_back is the radar backscattering efficiency, 4 pi times the cross-section "
+           "per steradian at\n180 degrees over it, |sum (2n + 1) (-1)^n (a_n - b_n)|^2 / y^2; "
+           "asymmetry is <cos Theta>.\n\nExample:\n  miebrdf sphere --index 1.5,0.01 "
+           "--size-parameter 1,10,100");
 }
 
 void add_optics(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MediumArguments>();
     add_medium_options(command, shell, *arguments);
-    command.add_option("--moments", arguments->highest_moment, "print chi_0 to chi_L")
-        ->type_name("L")
+    option(command, "--moments", arguments->highest_moment, "L", "print chi_0 to chi_L")
         ->check(CLI::Range(0, 100000));
     shell.add_common_options(command);
     command.footer("Example:\n  miebrdf optics TiO2 --wavelengths 400:700:50 --moments 8");
@@ -315,9 +296,7 @@ void add_phase(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MediumArguments>();
     add_medium_options(command, shell, *arguments);
     arguments->angles = "0:180:1";
-    command.add_option("--angles", arguments->angles, "scattering angles in degrees")
-        ->type_name("LIST")
-        ->capture_default_str();
+    option(command, "--angles", arguments->angles, "LIST", "scattering angles in degrees");
     command.add_flag("--stokes", arguments->matrix,
                      "print the scattering matrix f11, f22, f33, f44, f12, f34 in place of the "
                      "phase function f11");

@@ -3,20 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <numeric>
 
 #include <miebrdf/error.h>
+#include "materials/database/user_file.h"
 #include "pipeline/scene/species_keys.h"
 
 namespace miebrdf::program {
 namespace {
-
-std::vector<std::string> all_words() {
-    std::vector<std::string> names;
-    for (const SceneWord& word : miebrdf::scene_words()) names.push_back(word.name);
-    return names;
-}
 
 /// "power-law, effective radius 50 um, effective variance 0.2"
 std::string sizes_text(const Species& species, const ParticleOptions& of_scene) {
@@ -81,7 +75,7 @@ void SceneArguments::add_to(CLI::App& command, Shell& shell, Base base,
                             const std::string& default_wavelengths) {
     needs_base_ = base == Base::required;
     default_wavelengths_ = default_wavelengths;
-    add(command, shell, all_words());
+    add(command, shell, scene_word_names());
 }
 
 void SceneArguments::add_to(CLI::App& command, Shell& shell, const std::vector<std::string>& words,
@@ -172,8 +166,8 @@ Request SceneArguments::complete(Request request) const {
     if (request.wavelength_nm.empty())
         apply(*find_scene_word("wavelengths"), std::vector<WordValue>{default_wavelengths_},
               request);
-    const char* database = std::getenv("MIEBRDF_DATABASE");
-    if (request.scene.database.empty() && database != nullptr) request.scene.database = database;
+    if (request.scene.database.empty())
+        request.scene.database = materials::from_environment("MIEBRDF_DATABASE");
     return request;
 }
 

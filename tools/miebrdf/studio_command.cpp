@@ -8,7 +8,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -18,6 +17,7 @@
 #include <miebrdf/database.h>
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
+#include "materials/database/user_file.h"
 #include "pipeline/io/atomic_file.h"
 #include "pipeline/io/plugin.h"
 #include "pipeline/io/program_file.h"
@@ -56,16 +56,6 @@ struct StudioArguments {
 std::string read_file(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// $XDG_STATE_HOME/miebrdf/studio.toml, else ~/.local/state/miebrdf/studio.toml.
-fs::path state_file() {
-    const char* const state = std::getenv("XDG_STATE_HOME");
-    const char* const home = std::getenv("HOME");
-    fs::path folder = state != nullptr ? state : "";
-    if (!folder.is_absolute())
-        folder = home != nullptr ? fs::path(home) / ".local" / "state" : fs::temp_directory_path();
-    return folder / "miebrdf" / "studio.toml";
 }
 
 /// 128 random bits.
@@ -116,7 +106,7 @@ std::string run_aside(std::vector<std::string> words, const fs::path& folder,
 class Studio {
   public:
     Studio(const Shell& shell, const StudioArguments& arguments)
-        : shell_(shell), memo_(make_optics_memo()), state_(state_file()), token_(new_token()) {
+        : shell_(shell), memo_(make_optics_memo()), token_(new_token()) {
         restore(arguments.file);
     }
 
@@ -367,7 +357,7 @@ class Studio {
 
     const Shell& shell_;
     std::shared_ptr<OpticsMemo> memo_;
-    fs::path state_;
+    fs::path state_ = materials::user_file("XDG_STATE_HOME", ".local/state", "studio.toml");
     std::string token_;
     int port_ = 0;
     std::mutex mutex_;  ///< of the next three
@@ -421,20 +411,15 @@ int run_studio(const StudioArguments& arguments, const Shell& shell) {
 
 void add_studio(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<StudioArguments>();
-    command
-        .add_option("scene", arguments->file,
-                    "a scene file to begin with (its first result); without it the scene that was "
-                    "left is opened")
-        ->type_name("SCENE.toml");
-    command
-        .add_option("--port", arguments->port,
-                    "of 127.0.0.1, where the page is; 0: one that is free")
-        ->type_name("N")
-        ->capture_default_str();
+    option(command, "scene", arguments->file, "SCENE.toml",
+           "a scene file to begin with (its first result); without it the scene that was left is "
+           "opened");
+    option(command, "--port", arguments->port, "N",
+           "of 127.0.0.1, where the page is; 0: one that is free");
     command.add_flag("--no-open", arguments->no_open, "print the address, open no browser");
-    shell.add_common_options(command, Writes::table);
-    command.footer("Example:\n  miebrdf studio\n  miebrdf studio paint.toml --no-open --port 8080");
-    shell.on_run(command, [arguments, &shell] { return run_studio(*arguments, shell); });
+    finish(command, shell, arguments, run_studio,
+           "Example:\n  miebrdf studio\n  miebrdf studio paint.toml --no-open --port 8080",
+           Writes::table);
 }
 
 }  // namespace miebrdf::program

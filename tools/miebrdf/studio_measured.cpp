@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include <system_error>
 
 #include <miebrdf/error.h>
+#include "materials/database/user_file.h"
 #include "tools/miebrdf/scratch_folder.h"
 
 namespace miebrdf::program {
@@ -152,8 +152,9 @@ json fit_for_page(const SaidWords& said, const json& asked, const Control& contr
         }
         problem.scene.push_back(std::move(text));
     }
-    const char* const database = std::getenv("MIEBRDF_DATABASE");
-    if (database != nullptr && *database != '\0') problem.scene.push_back({"database", {database}});
+    if (const std::string database = materials::from_environment("MIEBRDF_DATABASE");
+        !database.empty())
+        problem.scene.push_back({"database", {database}});
     for (const auto& [name, text] : unknowns.items())
         problem.unknowns.push_back(unknown(name, text.get<std::string>()));
     problem.data.push_back({.name = list.file, .values = fitted_values(list, asked)});

@@ -4,11 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <regex>
 #include <set>
 
 #include <miebrdf/error.h>
+#include "materials/database/user_file.h"
 
 namespace miebrdf::program {
 namespace {
@@ -54,18 +54,6 @@ WordValue value_from(const std::string& name, const json& value) {
     return text;
 }
 
-/// As TOML and Python write texts: JSON's escapes are among theirs.
-std::string quoted(const WordValue& value) { return json(text_of(value)).dump(); }
-
-std::string quoted_list(const std::vector<WordValue>& values) {
-    std::vector<std::string> texts;
-    texts.reserve(values.size());
-    for (const WordValue& value : values) texts.push_back(quoted(value));
-    return fmt::format("[{}]", fmt::join(texts, ", "));
-}
-
-}  // namespace
-
 SaidWords words_from_page(const json& page) {
     if (!page.is_object()) throw UsageError("words", page.dump().substr(0, 40), "an object");
     SaidWords said;
@@ -106,8 +94,7 @@ Request request_of_page(const SaidWords& said) {
         throw UsageError("tolerance", request.solver.tolerance, "1e-4 and above on this page");
     if (request.solver.streams > kMostStreams)
         throw UsageError("streams", request.solver.streams, "at most 64 on this page");
-    const char* database = std::getenv("MIEBRDF_DATABASE");
-    if (database != nullptr) request.scene.database = database;
+    request.scene.database = materials::from_environment("MIEBRDF_DATABASE");
     return request;
 }
 
@@ -127,15 +114,7 @@ std::vector<std::string> arguments_of(const SaidWords& said) {
 std::string scene_file_of(const SaidWords& said, const std::string& page) {
     std::string text = "# A scene of miebrdf studio: miebrdf run, report, studio read it.\n";
     for (const auto& [name, values] : said) {
-        if (values.empty()) continue;
-        const WordKind kind = find_scene_word(name)->kind;
-        if (kind == WordKind::flag) {
-            text += name + " = true\n";
-        } else if (kind == WordKind::repeated) {
-            text += name + " = " + quoted_list(values) + "\n";
-        } else {
-            text += name + " = " + quoted(values.front()) + "\n";
-        }
+        if (!values.empty()) text += toml_of(*find_scene_word(name), values) + "\n";
     }
     if (!page.empty()) text += kPageMark + page + "\n";
     return text + "\n[[result]]\ncommand = \"report\"\noutput = \"studio.html\"\n";
@@ -167,10 +146,9 @@ std::string python_of(const SaidWords& said) {
         std::string value;
         if (word.kind == WordKind::flag) {
             value = "True";
-        } else if (word.kind == WordKind::repeated) {
-            value = quoted_list(values);
-        } else if (kTexts.count(name) > 0) {
-            value = quoted(values.front());
+        } else if (word.kind == WordKind::repeated || kTexts.count(name) > 0) {
+            const std::string line = toml_of(word, values);  // Python writes texts and lists alike
+            value = line.substr(line.find('=') + 2);
         } else if (text.find_first_not_of("+-.0123456789eE") == std::string::npos) {
             value = text;
         }

@@ -26,7 +26,7 @@ struct SweepArguments {
     std::string file;
     std::string part;
     std::string costs;
-    std::size_t sbatch_parts = 0;
+    std::optional<std::size_t> sbatch_parts;
     bool plan = false, merge = false, keep_parts = false;
     double sample_s = 2.0;
 };
@@ -215,40 +215,32 @@ int run_sweep(const sweep::Sweep& sweep, const SweepArguments& arguments, const 
 
 /// Refuses options that exclude each other.
 void require_one_task(const SweepArguments& a) {
-    const int tasks = int(a.plan) + int(a.merge) + int(!a.part.empty()) + int(a.sbatch_parts > 0);
+    const int tasks =
+        int(a.plan) + int(a.merge) + int(!a.part.empty()) + int(a.sbatch_parts.has_value());
     if (tasks > 1) throw UsageError("--plan, --part, --merge and --sbatch: give one of them");
     if (!a.part.empty()) sweep::parse_share(a.part);
 }
 
 void add_options(CLI::App& command, SweepArguments& arguments) {
-    command.add_option("sweep", arguments.file, "sweep file (TOML): scene, axes, outputs")
-        ->type_name("SWEEP.toml")
+    option(command, "sweep", arguments.file, "SWEEP.toml",
+           "sweep file (TOML): scene, axes, outputs")
         ->required();
     command.add_flag(
         "--plan", arguments.plan,
         "print the number of scenes, the scenes that cannot be computed, time, memory and "
         "file size; compute nothing");
-    command
-        .add_option("--sample-seconds", arguments.sample_s,
-                    "of --plan: look at no more scenes than take about this processor time")
-        ->type_name("S")
-        ->check(CLI::Range(0.0, 1e6))
-        ->capture_default_str();
-    command
-        .add_option("--part", arguments.part,
-                    "compute share I of N (every N-th chunk) and write no table")
-        ->type_name("I/N");
+    option(command, "--sample-seconds", arguments.sample_s, "S",
+           "of --plan: look at no more scenes than take about this processor time")
+        ->check(CLI::Range(0.0, 1e6));
+    option(command, "--part", arguments.part, "I/N",
+           "compute share I of N (every N-th chunk) and write no table");
     command.add_flag("--merge", arguments.merge,
                      "write the table from its parts, all of which must be finished");
-    command
-        .add_option("--sbatch", arguments.sbatch_parts,
-                    "print a script for Slurm: a job array of N parts, and how to merge them")
-        ->type_name("N")
+    option(command, "--sbatch", arguments.sbatch_parts, "N",
+           "print a script for Slurm: a job array of N parts, and how to merge them")
         ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}));
-    command
-        .add_option("--costs", arguments.costs,
-                    "also write the processor time of every chunk that is computed, as CSV")
-        ->type_name("FILE");
+    option(command, "--costs", arguments.costs, "FILE",
+           "also write the processor time of every chunk that is computed, as CSV");
     command.add_flag("--keep-parts", arguments.keep_parts,
                      "leave the folder FILE.parts when the table is complete");
 }
@@ -268,12 +260,12 @@ void add_sweep(CLI::App& command, Shell& shell) {
         const sweep::Sweep sweep = sweep::read_sweep_file(arguments->file);
         if (sweep.for_eradiate && !arguments->plan && !is_netcdf(shell.common().output))
             throw UsageError("layout eradiate is one of NetCDF; give -o table.nc");
-        if (arguments->sbatch_parts == 0)
+        if (!arguments->sbatch_parts)
             return [=, &shell] { return run_sweep(sweep, *arguments, shell); };
         return [=, &shell]() -> int {
             Shell to_screen(shell.command_line());
             to_screen.write_text(sweep::slurm_script(arguments->file, shell.common().output,
-                                                     arguments->sbatch_parts));
+                                                     *arguments->sbatch_parts));
             return kGood;
         };
     });

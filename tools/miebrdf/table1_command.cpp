@@ -78,26 +78,20 @@ void add_table1(CLI::App& command, Shell& shell) {
     arguments->convention = table1_conventions().front().name;
     std::string names;
     for (const auto& c : table1_conventions()) names += c.name + ", ";
-    command.add_option("material", arguments->materials, "materials; default: the paper's four")
-        ->type_name("MATERIAL");
-    command
-        .add_option("--convention", arguments->convention,
-                    "what the paper leaves open: " + names + "or all")
-        ->capture_default_str();
-    command
-        .add_option("--wavelengths", arguments->wavelengths, "instead of the convention's R, G, B")
-        ->type_name("LIST");
-    command
-        .add_option("--roughness", arguments->roughness,
-                    "Beckmann slope parameter; 0: the convention's")
-        ->capture_default_str();
-    command.add_option("--database", arguments->database, "materials database")->type_name("FILE");
+    option(command, "material", arguments->materials, "MATERIAL",
+           "materials; default: the paper's four");
+    option(command, "--convention", arguments->convention, "",
+           "what the paper leaves open: " + names + "or all");
+    option(command, "--wavelengths", arguments->wavelengths, "LIST",
+           "instead of the convention's R, G, B");
+    option(command, "--roughness", arguments->roughness, "",
+           "Beckmann slope parameter; 0: the convention's");
+    option(command, "--database", arguments->database, "FILE", "materials database");
     shell.add_common_options(command);
     command.footer("Example:\n  miebrdf table1\n  miebrdf table1 Au Ag --wavelengths 400:700:100");
     shell.on_run(command, [arguments, &shell] {
         const Table1Request request = parse(*arguments);
-        shell.write(table_of(compute_table1(request, shell.control()), request));
-        return kGood;
+        return shell.write(table_of(compute_table1(request, shell.control()), request));
     });
 }
 

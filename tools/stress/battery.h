@@ -105,8 +105,8 @@ std::vector<SwitchPoint> find_switches(double from, double to, int steps,
 /// @param fast  leave out what takes longest: photons, many nodes, sharp peaks
 using SuiteFunction = void(Log& log, bool fast);
 
-SuiteFunction spheres, ensembles, half_spaces, coats, boundaries, surfaces, materials, refusals,
-    photons, sphere_switches, transfer_switches;
+SuiteFunction spheres, ensembles, half_spaces, coats, boundaries, surfaces, materials, photons,
+    sphere_switches, transfer_switches;
 /// Random scenes: no converged result misses its tolerance.
 SuiteFunction promises;
 
@@ -121,7 +121,6 @@ inline constexpr Suite kSuites[] = {{"spheres", spheres},
                                     {"boundaries", boundaries},
                                     {"surfaces", surfaces},
                                     {"materials", materials},
-                                    {"refusals", refusals},
                                     {"photons", photons},
                                     {"sphere switches", sphere_switches},
                                     {"transfer switches", transfer_switches},

@@ -54,13 +54,10 @@ int run(const StressArguments& arguments, const Shell& shell) {
 void add_stress(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<StressArguments>();
     command.add_flag("--fast", arguments->fast, "leave out what takes longest");
-    command
-        .add_option("--docs", arguments->docs,
-                    "rewrite the generated part of stability.md in this folder")
-        ->type_name("FOLDER");
-    shell.add_common_options(command);
-    command.footer("Exit code 1 when a bound is broken.\nExample:\n  miebrdf stress -o stress.csv");
-    shell.on_run(command, [arguments, &shell] { return run(*arguments, shell); });
+    option(command, "--docs", arguments->docs, "FOLDER",
+           "rewrite the generated part of stability.md in this folder");
+    finish(command, shell, arguments, run,
+           "Exit code 1 when a bound is broken.\nExample:\n  miebrdf stress -o stress.csv");
 }
 
 }  // namespace miebrdf::program
