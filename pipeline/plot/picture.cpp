@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "pipeline/io/atomic_file.h"
-#include "pipeline/plot/raster.h"
+#include "pipeline/io/plugin.h"
 
 namespace miebrdf::plot {
 
@@ -36,6 +36,15 @@ std::string ending_of(const std::string& path) {
     return dot == std::string::npos ? "" : path.substr(dot);
 }
 
+/// The plug-in draws.
+std::string rasterise(const std::string& svg, int width, int height) {
+    static const auto draw = plugin_function<void(const std::string&, int, int, std::string&)>(
+        "rsvg", "miebrdf_rasterise", "librsvg2-dev");
+    std::string png;
+    draw(svg, width, height, png);
+    return png;
+}
+
 std::string png_of(const Picture& picture, double scale) {
     if (!(scale >= 0.1 && scale <= 20)) {
         throw UsageError(
@@ -49,7 +58,7 @@ std::string png_of(const Picture& picture, double scale) {
 
 }  // namespace
 
-bool png_is_available() { return can_rasterise(); }
+bool png_is_available() { return has_plugin("rsvg"); }
 
 void check_picture_path(const std::string& path) {
     const std::string ending = ending_of(path);
@@ -57,7 +66,7 @@ void check_picture_path(const std::string& path) {
         throw UsageError(
             fmt::format("picture '{}': unknown ending '{}'; allowed: .svg, .png", path, ending));
     }
-    if (ending == ".png" && !can_rasterise()) {
+    if (ending == ".png" && !png_is_available()) {
         throw UsageError("this build cannot write PNG (librsvg was missing); write .svg instead");
     }
 }

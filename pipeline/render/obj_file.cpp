@@ -1,4 +1,4 @@
-#include "pipeline/render/obj_file.h"
+#include "pipeline/render/mesh.h"
 
 #include <fmt/format.h>
 

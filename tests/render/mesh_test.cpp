@@ -5,7 +5,6 @@
 #include <limits>
 
 #include <miebrdf/error.h>
-#include "pipeline/render/obj_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

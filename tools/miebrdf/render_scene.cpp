@@ -9,7 +9,6 @@
 #include <miebrdf/error.h>
 #include "pipeline/render/lighting.h"
 #include "pipeline/render/mesh.h"
-#include "pipeline/render/obj_file.h"
 #include "pipeline/render/renderer.h"
 #include "pipeline/scene/number_list.h"
 

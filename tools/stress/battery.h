@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <miebrdf/solver.h>
+#include "tools/bench/scenes.h"
 
 namespace miebrdf::stress {
 
@@ -101,6 +102,10 @@ struct SwitchPoint {
 /// @param from, to  positive
 std::vector<SwitchPoint> find_switches(double from, double to, int steps,
                                        const std::function<long(double)>& state);
+
+/// Compares plane albedo and, but for rough boundaries, reflection at one incidence with photons.
+void compare_with_photons(const Case& is, const rte::Stack& stack,
+                          const rte::Directions& directions, int photons);
 
 /// @param fast  leave out what takes longest: photons, many nodes, sharp peaks
 using SuiteFunction = void(Log& log, bool fast);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/stress/photons.h"
+#include "tools/stress/battery.h"
 
 namespace miebrdf::stress {
 namespace {

@@ -1,4 +1,5 @@
-#include "tools/stress/photons.h"
+// Layers against photons: the outside check of everything, within its confidence interval.
+#include "tools/stress/battery.h"
 
 #include <fmt/format.h>
 

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "rte/stack/hidden_layers.h"
-#include "tools/constants/tally.h"
+#include "tests/batteries/tally.h"
 #include "tools/stress/random_media.h"
 
 namespace {

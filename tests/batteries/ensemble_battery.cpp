@@ -20,7 +20,7 @@
 
 #include "mie/ensemble/size_sums.h"
 #include "mie/sphere/sphere_block.h"
-#include "tools/constants/tally.h"
+#include "tests/batteries/tally.h"
 #include "tools/stress/random_media.h"
 
 namespace {
