@@ -97,24 +97,23 @@ std::vector<SceneWord> layer_words() {
          .set = set_text<file_name, &Request::scene, &Scene::database>},
         {.name = "interpolation",
          .placeholder = "NAME",
-         .help = "of n and k between their rows: pchip (monotone in photon energy), linear (in "
-                 "wavelength, as other tools) or linear-energy",
+         .help = "how n and k are interpolated between their rows: pchip (monotone, in photon "
+                 "energy), linear (in wavelength, as in other tools) or linear-energy",
          .default_text = kInterpolations[0].name,
          .field = "interpolation",
          .set = set_name<kInterpolations, &Request::scene, &Scene::index,
                          &materials::IndexOptions::interpolation>},
         {.name = "extrapolate",
          .placeholder = "NAME",
-         .help =
-             "where a material has no data: refuse, or clamp to the nearer end (outputs say so)",
+         .help = "at wavelengths beyond a material's data: refuse, or clamp (take the value of the "
+                 "nearer end; outputs say so)",
          .default_text = kExtrapolations[0].name,
          .field = "extrapolation",
          .set = set_name<kExtrapolations, &Request::scene, &Scene::index,
                          &materials::IndexOptions::extrapolation>},
         {.name = "missing-k-zero",
-         .help = "k = 0 where a material's n is known and k is not, instead of an error (the "
-                 "source line "
-                 "of the output says at how many wavelengths)",
+         .help = "take k = 0 where only n of a material is known, instead of an error (the "
+                 "output's source line says at how many wavelengths)",
          .kind = WordKind::flag,
          .field = "missing_k_is_zero",
          .set = set_switch<true, &Request::scene, &Scene::index,
@@ -126,9 +125,9 @@ std::vector<SceneWord> surface_words() {
     return {
         {.name = "boundary",
          .placeholder = "NAME",
-         .help = "refracting boundary between air and the host of the top layer (paint, varnish, "
-                 "ice): smooth, or rough:ALPHA[,beckmann or ggx], ALPHA 0.02 to 1 "
-                 "or 0: smooth",
+         .help =
+             "refracting boundary between air and the host of the top layer (paint, varnish, ice): "
+             "smooth, or rough:ALPHA[,beckmann or ggx] with ALPHA from 0.02 to 1 (0 is smooth)",
          .group = group,
          .field = "boundary",
          .set = set_boundary},
@@ -142,8 +141,8 @@ std::vector<SceneWord> surface_words() {
          .set = set_roughness},
         {.name = "coupling",
          .placeholder = "NAME",
-         .help = "how the surface weakens the light that goes into the layers and comes out: paper "
-                 "(eq. 5: on the way in alone) or reciprocal (both ways)",
+         .help = "where the rough surface weakens the light of the layers: paper (eq. 5: only on "
+                 "the way in) or reciprocal (on the way in and out)",
          .group = group,
          .default_text = kCouplings[0].name,
          .field = "coupling",

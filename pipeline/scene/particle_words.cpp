@@ -71,7 +71,8 @@ std::vector<SceneWord> particle_words() {
     return {
         {.name = "effective-radius",
          .placeholder = "UM",
-         .help = "effective radius <r^3>/<r^2> in um (or 100nm), of media without radius=",
+         .help = "effective radius <r^3>/<r^2> in um (or with a unit: 100nm) of media that give no "
+                 "radius=",
          .group = group,
          .default_text = fmt::format("{}", defaults.sizes.effective_radius_um),
          .field = "effective_radius_um",
@@ -79,14 +80,14 @@ std::vector<SceneWord> particle_words() {
          .set = set_effective_radius},
         {.name = "effective-variance",
          .placeholder = "V",
-         .help = "effective variance of the radii, of media without variance=",
+         .help = "effective variance of the radii of media that give no variance=",
          .group = group,
          .default_text = fmt::format("{}", defaults.sizes.effective_variance),
          .field = "effective_variance",
          .set = set_size_number<&mie::SizeDistribution::effective_variance>},
         {.name = "size-distribution",
          .placeholder = "NAME",
-         .help = "law of the radii, of media without distribution=: " + list_of_laws(),
+         .help = "size distribution of media that give no distribution=: " + list_of_laws(),
          .group = group,
          .default_text = name_of(defaults.sizes.kind),
          .field = "size_distribution",
@@ -94,41 +95,40 @@ std::vector<SceneWord> particle_words() {
                          &ParticleOptions::sizes, &mie::SizeDistribution::kind>},
         {.name = "host-index",
          .placeholder = "HOST",
-         .help = "host between the particles, of media that name none (TiO2 in PMMA names one): "
-                 "N, N,K or a material's name",
+         .help = "material between the particles of media that name no host (\"TiO2 in PMMA\" "
+                 "names one): N, N,K or a material's name",
          .group = group,
          .default_text = "1",
          .field = "host_index",
          .set = set_host},
         {.name = "layer-density",
          .placeholder = "KG_M3",
-         .help = "bulk density of the layers in kg/m3, where mass fractions and a thickness "
-                 "meet; snow has 50 to 550",
+         .help = "bulk density of the layers in kg/m3; needed for a thickness together with mass "
+                 "fractions. Snow has 50 to 550",
          .group = group,
          .field = "layer_density_kg_m3",
          .unit = "kg/m3",
          .set = set_layer_density},
         {.name = "packing",
          .placeholder = "NAME",
-         .help = "how crowded particles scatter: independent, percus-yevick (hard spheres) or "
-                 "effective-host (in the host with the others dissolved in it), or both with a "
-                 "comma; these need amounts",
+         .help = "how particles that are close together scatter: independent, percus-yevick (as "
+                 "hard spheres) or effective-host (each in a host into which the others are "
+                 "mixed), or the last two with a comma between. All but independent need amounts",
          .group = group,
          .default_text = kPackings[0].name,
          .field = "packing",
          .set = set_packing},
         {.name = "k-floor",
          .placeholder = "K",
-         .help = "smallest absorption index k: smaller ones of a material are raised to this; at "
-                 "550 nm "
-                 "the database's H2O and H2O_ice have 2e-9, soda_lime_glass 2e-7",
+         .help = "smallest k of materials; smaller values are raised to it. At 550 nm H2O and "
+                 "H2O_ice have 2e-9, soda_lime_glass 2e-7",
          .group = group,
          .default_text = fmt::format("{}", defaults.k_floor),
          .field = "k_floor",
          .set = set_particle_number<&ParticleOptions::k_floor>},
         {.name = "mie-tolerance",
          .placeholder = "ERROR",
-         .help = "relative error of averages over sizes; 0: a share of the tolerance",
+         .help = "relative error of averages over particle sizes; 0: a fifth of the tolerance",
          .group = group,
          .default_text = fmt::format("{}", defaults.tolerance),
          .field = "mie_tolerance",

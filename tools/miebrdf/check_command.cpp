@@ -72,7 +72,8 @@ SceneOfFile scene_to_compare(const CheckArguments& arguments, const Shell& shell
             word));
     }
     SceneOfFile own = scene_of_file(arguments.file);
-    shell.note("compared with the scene of its own command: " + command_of_file(arguments.file));
+    shell.note("compared with the scene of the command that made the file: " +
+               command_of_file(arguments.file));
     return own;
 }
 
@@ -171,14 +172,15 @@ int run_check(const CheckArguments& arguments, const Shell& shell) {
     if (check.largest_albedo && *check.largest_albedo > 1.0 &&
         *check.largest_albedo <= arguments.largest_albedo + check.largest_albedo_error) {
         shell.note(
-            "an albedo a little above 1: cells and interpolation, or a surface's reciprocal "
-            "coupling, which conserves energy in the mean over incidences alone; `miebrdf albedo` "
-            "with the scene's options says what is the scene's own");
+            "the largest albedo is a little above 1. Causes are the file's cells and their "
+            "interpolation, or a surface's reciprocal coupling, which conserves energy only on "
+            "average over all incidences; `miebrdf albedo` with the scene's options prints the "
+            "albedo of the scene itself");
     }
     if (check.reciprocity_rms && !(*check.reciprocity_rms <= arguments.largest_asymmetry)) {
         shell.note(
-            "not reciprocal: a rough surface under --coupling paper (eq. 5 of the paper) is not; "
-            "--coupling reciprocal is");
+            "the file is not reciprocal: a rough surface with --coupling paper (eq. 5 of the "
+            "paper) is not, with --coupling reciprocal it is");
     }
     return verdict.good() ? kGood : kCheckFailed;
 }
@@ -191,23 +193,27 @@ void add_check(CLI::App& command, Shell& shell) {
            "a BRDF file; its format is recognised by its content")
         ->required();
     auto* group = command.add_option_group("Bounds");
-    option(*group, "--max-reciprocity-error", arguments->largest_asymmetry, "",
-           "rms of |f(i,o) - f(o,i)| / mean, both cosines > 0.2");
+    option(
+        *group, "--max-reciprocity-error", arguments->largest_asymmetry, "",
+        "largest accepted rms of |f(i,o) - f(o,i)| over the mean, where both cosines exceed 0.2");
     option(*group, "--max-albedo", arguments->largest_albedo, "",
-           "directional, any channel; the reciprocal coupling conserves energy in the mean over "
-           "incidences alone");
+           "largest accepted directional albedo of any channel; a little above 1, since the "
+           "reciprocal coupling conserves energy only on average over all incidences");
     option(*group, "--max-deviation", arguments->largest_deviation, "",
-           "rms relative error at mu > 0.2 and near the mirror direction, when a scene is given to "
-           "compare with; at retro-reflection and the zenith it may be 0.5, at mu < 0.2 2, or this "
-           "if it is larger");
+           "when compared with a scene: largest accepted relative error (rms) where mu > 0.2 and "
+           "near the mirror direction. At retro-reflection and the zenith 0.5 is accepted, where "
+           "mu < 0.2 2, or this number if it is larger; 0: what export accepts of the format");
     option(*group, "--max-sampling-error", arguments->largest_sampling_error, "",
-           "of the albedo found by the file's importance sampling");
+           "largest accepted error of the albedo that is found by the file's importance sampling");
     command.add_flag("--own-scene", arguments->own_scene,
-                     "compare with the scene of the command in the file's metadata, solved anew");
+                     "compare with the scene that the file was made from: the command in its "
+                     "metadata is solved anew");
     arguments->scene.add_to(command, shell, SceneArguments::Base::optional);
     default_to_reciprocal(command);
-    option(command, "--component", arguments->component, "", "of the scene to compare with");
-    option(command, "--rgb", arguments->rgb, "", "colours of the scene to compare with");
+    option(command, "--component", arguments->component, "",
+           "part of the scene's BRDF to compare with: total, subsurface or surface");
+    option(command, "--rgb", arguments->rgb, "",
+           "how the colours of the scene are made, as for export");
     finish(command, shell, arguments, run_check,
            "Example:\n  miebrdf check paint.bsdf --own-scene\n  miebrdf check paint_spec.bsdf "
            "--base TiO2 --coat AlGaAs7@0.1");

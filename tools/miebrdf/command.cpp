@@ -69,11 +69,11 @@ void Shell::add_common_options(CLI::App& command, Writes writes) {
     command.add_flag("--json", common_.json,
                      writes == Writes::table
                          ? "write JSON instead of CSV"
-                         : "print what was written, as JSON, to standard output");
+                         : "list the files that were written, as JSON, on standard output");
     if (writes == Writes::table) {
-        command.add_flag("--no-comments", common_.no_comments,
-                         "leave out the lines that begin with #, for spreadsheets; the error "
-                         "estimate goes with them");
+        command.add_flag(
+            "--no-comments", common_.no_comments,
+            "leave out the comment lines (#), for spreadsheets; the error estimate is among them");
     }
     option(command, "--threads", common_.threads, "N",
            "largest number of threads; 0: one for each processor")

@@ -113,10 +113,11 @@ class Shell {
     mutable std::shared_ptr<ProgressLine> progress_;
     mutable std::vector<std::string> notes_at_end_;
     mutable std::string advice_ =
-        "not converged: the estimated error is above the tolerance; what was written says where "
-        "('not converged'). Accept it by a larger --tolerance, or lower it by more --streams (at "
-        "most 256; twice as many take up to eight times as long); where polarisation was left out, "
-        "by --stokes 3, or ask for light without it, --stokes 1";
+        "not converged: the estimated error exceeds the tolerance; the output names where, in "
+        "lines 'not converged'. Either accept the error with a larger --tolerance, or lower it "
+        "with more --streams (at most 256; twice as many take up to eight times as long). If the "
+        "error comes from polarisation that was left out, compute it with --stokes 3, or ignore it "
+        "with --stokes 1";
     std::vector<std::string> scene_words_;
     std::function<Job()> prepare_;
 };

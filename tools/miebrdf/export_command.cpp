@@ -150,8 +150,8 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
     }
     if (is_cut) {
         shell.note(
-            fmt::format("the phase function has more than the {} moments that the file holds: "
-                        "summed up they give no phase function, codes with delta-M need them",
+            fmt::format("the phase function has more moments than the {} in the file. Their sum is "
+                        "not the phase function; codes that apply delta-M can use them",
                         table.chi.front().size()));
     }
     const nlohmann::ordered_json metadata = {
@@ -192,7 +192,8 @@ std::optional<std::vector<ExportedFile>> write_files(const BrdfSource& source,
         for (const ExportedFile& file : files) shell.note(describe(file));
         return files;
     } catch (const TooCoarse& error) {
-        shell.note(fmt::format("error: {}; --accept-error writes it as it is", error.what()));
+        shell.note(
+            fmt::format("error: {}; --accept-error writes the file all the same", error.what()));
         return std::nullopt;
     }
 }

@@ -75,8 +75,8 @@ void default_to_reciprocal(CLI::App& command) {
     CLI::Option* coupling = command.get_option("--coupling");
     coupling->default_str("reciprocal");
     coupling->description(coupling->get_description() +
-                          "; files default to reciprocal, because their readers differ in which "
-                          "direction is the light's");
+                          "; default in files: reciprocal, because programs that read them differ "
+                          "in which direction is that of the light");
 }
 
 void ExportArguments::add_to(CLI::App& command, Shell& shell) {
@@ -87,19 +87,22 @@ void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     default_to_reciprocal(command);
     auto* measured = command.add_option_group("Measured");
     option(*measured, "--from", from_, "FILE",
-           "in place of a scene: measured directions (any file that `miebrdf measured` reads), "
-           "interpolated to a reciprocal BRDF");
-    option(*measured, "--column", column_, "NAME", "of --from: one column or sample alone");
+           "a file of measured directions (any that `miebrdf measured` reads) in place of a scene; "
+           "the BRDF between them is interpolated and reciprocal");
+    option(*measured, "--column", column_, "NAME", "one column or sample of the file of --from");
     option(*measured, "--azimuth-zero", azimuth_zero_, "SIDE",
-           "of --from: meaning of azimuth 0 in the file, mirror or back");
+           "what azimuth 0 means in the file of --from: mirror or back");
     option(command, "--component", component_, "", "total, subsurface or surface");
     add_file_options(command);
 }
 
 void ExportArguments::add_file_options(CLI::App& command) {
     auto* group = command.add_option_group("File");
-    option(*group, option_of("resolution"), options_.resolution, "",
-           fmt::format("fineness, format by format; 0: the default ({})", resolutions()))
+    option(
+        *group, option_of("resolution"), options_.resolution, "",
+        fmt::format(
+            "how fine the file is, counted in what its format counts; 0: the format's default ({})",
+            resolutions()))
         ->check(CLI::Range(0, 4096));
     for (const Format& format : all_formats()) {
         for (const FormatOption& extra : format.extra) {
@@ -125,13 +128,15 @@ void ExportArguments::add_file_options(CLI::App& command) {
                        formats_that_take("rgb")));
     const std::string sampled = formats_that_take("largest_error");
     const AcceptedErrors usual;
-    option(*group, option_of("largest_error"), options_.largest_error, "",
-           fmt::format("{} are read back: largest relative error (rms, at mu > 0.2 and near the "
-                       "mirror direction) that is accepted; at retro-reflection and zenith {}, at "
-                       "mu < 0.2 {}, or this if it is larger; 0: the format's own",
-                       sampled, usual.peaks, usual.grazing));
+    option(
+        *group, option_of("largest_error"), options_.largest_error, "",
+        fmt::format(
+            "{} are read back and compared with the scene: largest accepted relative error (rms, "
+            "where mu > 0.2 and near the mirror direction). At retro-reflection and the zenith {} "
+            "is accepted, where mu < 0.2 {}, or this number if it is larger; 0: the format's own",
+            sampled, usual.peaks, usual.grazing));
     group->add_flag(option_of("accept_error"), options_.accept_error,
-                    sampled + ": write the file whatever its errors are");
+                    sampled + ": write the file even if its errors exceed what is accepted");
 }
 
 bool ExportArguments::given(const std::string& option) const {
@@ -159,7 +164,9 @@ void ExportArguments::check_format() const {
                 : fmt::format("of the file's options it takes {}", fmt::join(taken, ", "))));
     }
     if (command_->get_option("--resolution")->count() > 0 && lists_all_directions()) {
-        throw UsageError("--resolution is for lists that are not given; here all three are");
+        throw UsageError(
+            "--resolution makes the lists of directions that are not given; here all three are "
+            "given");
     }
     parse_brdf_part(component_);
 }

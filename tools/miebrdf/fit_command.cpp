@@ -157,10 +157,11 @@ Table fit_table(const FitProblem& problem, const FitResult& result, bool with_re
     facts.emplace_back("iterations", double(result.iterations));
     facts.emplace_back("solved_scenes", double(result.solved_scenes));
     if (result.interpolation_shift) {
-        facts.emplace_back("interpolated_sizes",
-                           fmt::format("averages of their own would move no number by more than "
-                                       "{:.2g} of its standard error",
-                                       *result.interpolation_shift));
+        facts.emplace_back(
+            "interpolated_sizes",
+            fmt::format("averages over sizes were interpolated between sizes; direct averages "
+                        "would move no number by more than {:.2g} of its standard error",
+                        *result.interpolation_shift));
     }
     if (!result.converged) facts.emplace_back("not converged", result.reason);
     table.columns = {"unknown", "wavelength_nm", "value", "standard_error",
@@ -257,18 +258,19 @@ int run_fit(const FitProblem& problem, const FitArguments& arguments, const Shel
 void add_fit(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<FitArguments>();
     option(command, "fit", arguments->file, "FIT.toml",
-           "fit file (TOML): [scene] with {name}, [unknowns], [[measured]]");
+           "fit file (TOML): a [scene] with {name} in place of unknown numbers, [unknowns], "
+           "[[measured]]");
     option(command, "--scene", arguments->scene_file, "FILE", "also write the fitted scene (TOML)");
     option(command, "--residuals", arguments->residuals_file, "FILE",
            "also write every measured value beside the model's, as CSV");
     option(command, "--spectra", arguments->spectra_file, "FILE",
-           "also write the unknowns per wavelength as CSV, a column for each: a paste where two "
-           "are called mu_s_reduced and mu_a");
+           "also write the unknowns that differ between wavelengths, as CSV with a column for "
+           "each; with unknowns called mu_s_reduced and mu_a, paste:FILE reads it");
     option(command, "--plot", arguments->chart_file, "FILE",
-           "also draw measured points, fitted curve and residuals (.svg, .png)");
+           "also draw measured points, the fitted curve and residuals (.svg, .png)");
     option(command, "--starts", arguments->starts, "N",
-           "search from N starts within the bounds; 0: the number in the file, else 6, or 1 where "
-           "an unknown changes spheres")
+           "search from N points within the bounds; 0: as many as the file says, else 6, or 1 if "
+           "an unknown changes the spheres")
         ->check(CLI::Range(0, 1000));
     // Wavelengths are those of the data.
     arguments->scene.add_to(command, shell, scene_word_names("wavelengths"), "");
@@ -279,18 +281,22 @@ void add_fit(CLI::App& command, Shell& shell) {
     const auto add_text = [&](const char* name, const char* key, const char* help) {
         option(command, name, arguments->measured_texts[key], "", help)->group(group);
     };
-    add_text("--measured", "file", "the measured file");
-    add_text("--column", "column", "one of its columns or samples");
-    add_text("--quantity", "quantity", "plane_albedo, hemispherical, brdf, d8-sci, ...");
-    add_text("--wavelengths", "wavelengths", "FIRST:LAST: only these of the file count");
+    add_text("--measured", "file", "file of measured values");
+    add_text("--column", "column", "one column or sample of this file");
+    add_text("--quantity", "quantity",
+             "what the values are: plane_albedo, hemispherical, brdf, d8-sci, ...");
+    add_text("--wavelengths", "wavelengths", "FIRST:LAST: fit only values at these wavelengths");
     for (const char* const key :
          {"mu_in", "theta_in", "mu_out", "theta_out", "azimuth", "sigma", "relative_sigma"}) {
         std::string name = "--" + std::string(key);
         std::replace(name.begin(), name.end(), '_', '-');
-        option(command, name, arguments->measured_numbers[key], "", "as in fit files")
+        option(command, name, arguments->measured_numbers[key], "",
+               "of values that lack it in the file, as in fit files")
             ->group(group);
     }
-    command.add_flag("--free-scale", arguments->free_scale, "values are known up to a factor")
+    command
+        .add_flag("--free-scale", arguments->free_scale,
+                  "the measured values are known up to a factor, which is fitted, too")
         ->group(group);
     shell.add_common_options(command);
     command.footer(

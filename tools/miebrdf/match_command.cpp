@@ -95,12 +95,13 @@ int run_match(const MatchProblem& problem, const Shell& shell) {
 void add_match(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MatchArguments>();
     option(command, "match", arguments->file, "MATCH.toml",
-           "match file (TOML): [scene] with {name}, [unknowns], [[target]]");
+           "match file (TOML): a [scene] with {name} in place of amounts, [unknowns], [[target]]");
     option(command, "--from", arguments->made, "RECIPE.toml",
-           "correct the batch of this recipe (written by -o RECIPE.toml)");
+           "correct a batch that was made by this recipe (written by -o RECIPE.toml)");
     option(command, "--measured", arguments->measured, "FILE",
-           "what was measured of that batch, for the targets in their order");
-    option(command, "--column", arguments->column, "", "one column or sample of these files");
+           "measurement of that batch, one file for each target in the order of the recipe");
+    option(command, "--column", arguments->column, "",
+           "one column or sample of these files, if they have several");
     shell.add_common_options(command);
     command.footer(
         "-o RECIPE.toml writes the best recipe as a match file, and the table to standard output.\n"

@@ -172,19 +172,21 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
     }
     option(*command, "--format", exported->format, "", formats)->check(CLI::IsMember(names));
     option(*command, "--wavelengths", exported->wavelengths, "LIST",
-           "sample n and k here (a list or range, as for nk) instead of writing the dataset's own "
-           "rows: for formulas, and formats that want another grid");
+           "write n and k at these wavelengths (a list or range, as for nk) in place of the "
+           "dataset's own rows; needed for formulas");
     command->add_flag("--unknown-k-zero", exported->options.unknown_k_as_zero,
-                      "write k = 0 for unknown k where the format needs a number");
+                      "write 0 for an unknown k if the format needs a number");
     exported->database.add_to(*command);
     finish(*command, shell, exported, run_export,
            "Example:\n  miebrdf materials export GaP --format nk -o gap.nk");
 
     auto diff = std::make_shared<DiffArguments>();
-    command = materials.add_subcommand("diff", "two datasets at the wavelengths of either");
+    command = materials.add_subcommand(
+        "diff", "the differences of two datasets, at the wavelengths of both");
     option(*command, "a", diff->first, "", "NAME, NAME/DATASET or SOURCE:KEY")->required();
     option(*command, "b", diff->second, "", "NAME, NAME/DATASET or SOURCE:KEY")->required();
-    option(*command, "--tolerance", diff->tolerance, "", "differences up to this give exit code 0")
+    option(*command, "--tolerance", diff->tolerance, "",
+           "largest difference of n and k that still gives exit code 0")
         ->check(CLI::NonNegativeNumber);
     diff->index.add_to(*command);
     diff->database.add_to(*command);
@@ -192,8 +194,8 @@ void add_materials_check_commands(CLI::App& materials, Shell& shell) {
            "Example:\n  miebrdf materials diff TiO2 TiO2_rutile_e");
 
     auto verified = std::make_shared<std::pair<DatabaseArgument, std::string>>();
-    command = materials.add_subcommand(
-        "verify", "check checksums, constraints and physics of the stored data");
+    command = materials.add_subcommand("verify",
+                                       "check the stored data: checksums, constraints and physics");
     option(*command, "name", verified->second, "", "one dataset; default: everything");
     verified->first.add_to(*command);
     shell.add_common_options(*command);

@@ -231,12 +231,12 @@ int run_show(const DatabaseArgument& argument, const std::string& name, const Sh
 
 static void add_filter(CLI::App& command, SearchArguments& arguments) {
     option(command, "--covers", arguments.covers, "A:B",
-           "only with a dataset that covers A:B (nm or units)");
-    command.add_flag("--has-k", arguments.has_k, "only with a dataset whose k is known");
+           "only materials with a dataset that covers the wavelengths A to B (nm, or with a unit)");
+    command.add_flag("--has-k", arguments.has_k, "only materials with a dataset whose k is known");
 }
 
 static void add_limit(CLI::App& command, SearchArguments& arguments) {
-    option(command, "--limit", arguments.limit, "N", "most lines that are shown; 0: all");
+    option(command, "--limit", arguments.limit, "N", "number of lines to show at most; 0: all");
 }
 
 void add_materials_query_commands(CLI::App& materials, Shell& shell) {
@@ -259,9 +259,9 @@ void add_materials_query_commands(CLI::App& materials, Shell& shell) {
            "Example:\n  miebrdf materials datasets Au --covers 400:700");
 
     auto asked = std::make_shared<SearchArguments>();
-    auto* search =
-        materials.add_subcommand("search", "materials by words of name, title, provenance");
-    option(*search, "text", asked->text, "", "words, or beginnings of words; all must occur");
+    auto* search = materials.add_subcommand(
+        "search", "find materials by words of their name, title or source");
+    option(*search, "text", asked->text, "", "words or their beginnings, all of which must occur");
     add_filter(*search, *asked);
     asked->limit = 50;
     add_limit(*search, *asked);
@@ -280,7 +280,7 @@ void add_materials_query_commands(CLI::App& materials, Shell& shell) {
 
 void DatabaseArgument::add_to(CLI::App& command) {
     option(command, "--database", file_, "FILE",
-           "the user's materials; default: $MIEBRDF_DATABASE, else "
+           "file with your own materials; default: $MIEBRDF_DATABASE, else "
            "$XDG_DATA_HOME/miebrdf/materials.sqlite");
 }
 

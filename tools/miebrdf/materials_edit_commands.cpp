@@ -46,7 +46,7 @@ Table table_of(const std::vector<materials::ImportItem>& items, const Shell& she
         table.rows.push_back({item.file, outcome_text(item), item.dataset, remarks});
     }
     const std::string summary =
-        fmt::format("{} read: {} accepted ({} with corrections, {} there already), {} refused",
+        fmt::format("{} read: {} accepted ({} with corrections, {} known already), {} refused",
                     items.size(), items.size() - refused, corrected, unchanged, refused);
     table.facts.emplace_back("summary", summary);
     shell.note(summary);
@@ -79,28 +79,32 @@ void add_import(CLI::App& materials, Shell& shell) {
         formats.push_back(format.name);
         if (!format.other_name.empty()) formats.push_back(format.other_name);
     }
-    option(*command, "--format", arguments->options.format, "", "default: recognised by content")
+    option(*command, "--format", arguments->options.format, "",
+           "format of the files; default: recognised by their content")
         ->check(CLI::IsMember(formats));
-    option(*command, "--name", arguments->options.material, "", "name of the material");
-    option(*command, "--label", arguments->options.label, "", "name of the dataset");
-    option(*command, "--source", arguments->options.source, "", "collection it comes from");
+    option(*command, "--name", arguments->options.material, "",
+           "name of the material; default: that in the file or of the file");
+    option(*command, "--label", arguments->options.label, "",
+           "name of the dataset within the material");
+    option(*command, "--source", arguments->options.source, "",
+           "collection that the data come from");
     option(*command, "--negative-k-tolerance", arguments->options.negative_k_tolerance, "",
-           "k between minus this and 0 is measurement noise and set to 0")
+           "negative k down to minus this number is taken for noise and set to 0")
         ->check(CLI::NonNegativeNumber);
     option(*command, "--unit", arguments->unit, "",
-           "of the first column where the file does not say; also reads bare columns: wavelength, "
-           "n and perhaps k")
+           "unit of the first column if the file does not name it; with it, files of bare columns "
+           "(wavelength, n and perhaps k) can be read")
         ->check(CLI::IsMember({"nm", "um", "A", "eV", "cm-1", "THz"}));
     command->add_flag("--skip-bad-rows", arguments->options.skip_bad_rows,
-                      "leave out rows that are no numbers or not physical, and say which, instead "
-                      "of refusing the file; up to a tenth of its rows");
+                      "leave out rows that are not numbers or not physical (up to a tenth of all) "
+                      "and list them, instead of refusing the file");
     command->add_flag("--replace", arguments->replace,
                       "replace a dataset of the same name that has other values");
     arguments->database.add_to(*command);
     finish(*command, shell, arguments, run_import,
-           "One bad file among those named: nothing is changed. In a folder bad files are refused "
-           "one by one.\nExample:\n  miebrdf materials import my_oxide.csv --name MyOxide --source "
-           "\"our lab\"");
+           "If one of the files named is bad, nothing is changed. In a folder, bad files are "
+           "refused one by one.\nExample:\n  miebrdf materials import my_oxide.csv --name MyOxide "
+           "--source \"our lab\"");
 }
 
 struct EditArguments {
@@ -115,11 +119,11 @@ int run_alias(const EditArguments& arguments, const Shell& shell) {
         if (!std::filesystem::exists(file) || !DatabaseWriter(file).remove_alias(arguments.name)) {
             throw InputError(fmt::format("'{}' is no alias in {}", arguments.name, file.string()));
         }
-        shell.note(fmt::format("'{}' is no alias any more", arguments.name));
+        shell.note(fmt::format("the alias '{}' is removed", arguments.name));
         return kGood;
     }
     if (arguments.second.empty())
-        throw UsageError("alias needs the alias and the material it means");
+        throw UsageError("alias needs two words: the alias, and the material that it stands for");
     const Database known = Database::layered(file);
     const std::string material = known.info(arguments.second).name;
     if (const auto taken = known.resolve_exactly(arguments.name); taken && *taken != material) {
@@ -170,7 +174,7 @@ int run_remove(const EditArguments& arguments, const Shell& shell) {
         throw InputError(fmt::format("{} is not in {}; the embedded database cannot be changed",
                                      arguments.name, file.string()));
     }
-    shell.note(fmt::format("{} removed: {} dataset{} of the user's", arguments.name, asked.size(),
+    shell.note(fmt::format("{} removed: {} dataset{} of your own", arguments.name, asked.size(),
                            asked.size() == 1 ? "" : "s"));
     return kGood;
 }
@@ -194,19 +198,19 @@ void add_materials_edit_commands(CLI::App& materials, Shell& shell) {
     auto* command =
         add_edit(materials, shell, "alias", "give a material another name", alias, run_alias);
     option(*command, "alias", alias->name, "", "the new name")->required();
-    option(*command, "material", alias->second, "", "the material it means");
+    option(*command, "material", alias->second, "", "the material that it stands for");
     command->add_flag("--remove", alias->remove, "remove the alias");
     command->footer("Example:\n  miebrdf materials alias \"my white\" TiO2");
 
     auto chosen = std::make_shared<EditArguments>();
     command = add_edit(materials, shell, "default",
-                       "choose the dataset a material's name stands for", chosen, run_default);
+                       "choose the dataset that a material's name stands for", chosen, run_default);
     option(*command, "dataset", chosen->name, "", "NAME/DATASET or SOURCE:KEY")->required();
     command->footer("Example:\n  miebrdf materials default GaP/SOPRA-GAP");
 
     auto gone = std::make_shared<EditArguments>();
-    command = add_edit(materials, shell, "remove", "remove a material or dataset of the user's",
-                       gone, run_remove);
+    command = add_edit(materials, shell, "remove", "remove a material or dataset of your own", gone,
+                       run_remove);
     option(*command, "name", gone->name, "", "NAME or NAME/DATASET")->required();
     command->add_flag("--dry-run", gone->dry_run,
                       "list the datasets that would be removed, and remove nothing");

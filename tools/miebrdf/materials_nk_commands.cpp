@@ -164,11 +164,11 @@ void add_nk(CLI::App& materials, Shell& shell) {
         ->required();
     arguments->index.add_to(*command);
     command->add_flag("--permittivity", arguments->permittivity,
-                      "also (n + ik)^2: permittivity_real, permittivity_imaginary");
+                      "also print (n + ik)^2 as permittivity_real, permittivity_imaginary");
     command->add_flag("--group-index", arguments->group_index,
-                      "also n - w dn/dw, w being the wavelength");
+                      "also print the group index n - w dn/dw, where w is the wavelength");
     option(*command, "--k-floor", arguments->k_floor, "",
-           "smallest k: smaller values are raised to this")
+           "smallest k; smaller values are raised to it")
         ->check(CLI::NonNegativeNumber);
     arguments->database.add_to(*command);
     finish(*command, shell, arguments, run_nk,
@@ -179,7 +179,7 @@ void add_nk_plot(CLI::App& materials, Shell& shell) {
     auto arguments = std::make_shared<IndexPlotArguments>();
     auto* command = materials.add_subcommand("plot", "n and k over wavelength, as SVG or PNG");
     option(*command, "names", arguments->names, "",
-           "NAME, NAME/DATASET or SOURCE:KEY; several overlay")
+           "NAME, NAME/DATASET or SOURCE:KEY; several are drawn over each other")
         ->required();
     option(*command, "--range", arguments->range, "A:B", "only wavelengths A:B (nm or units)");
     option(*command, "--scale", arguments->scale, "", "PNG pixels for each SVG unit")
@@ -194,13 +194,15 @@ void add_nk_plot(CLI::App& materials, Shell& shell) {
 
 void IndexArguments::add_to(CLI::App& command) {
     option(command, "--interpolation", interpolation_, "",
-           "pchip: monotone in photon energy; linear: in wavelength, as other tools; linear-energy")
+           "between rows: pchip (monotone, in photon energy), linear (in wavelength, as in other "
+           "tools) or linear-energy")
         ->check(CLI::IsMember({"pchip", "linear", "linear-energy"}));
     option(command, "--extrapolate", extrapolate_, "",
-           "outside the data: refuse, or clamp to the nearer end (and say so in the output)")
+           "beyond the ends of the data: refuse, or clamp (take the value of the nearer end; the "
+           "output says so)")
         ->check(CLI::IsMember({"refuse", "clamp"}));
     command.add_flag("--missing-k-zero", missing_k_zero_,
-                     "k = 0 where n is known and k is not, instead of an error");
+                     "take k = 0 where only n is known, instead of an error");
 }
 
 materials::IndexOptions IndexArguments::options() const {

@@ -86,27 +86,30 @@ void MeasuredArguments::add_to(CLI::App& command) {
     std::string names;
     for (const MeasuredFormat& format : measured_formats())
         names += (names.empty() ? "" : ", ") + std::string(format.name);
-    option(*group, "--format", options_.format, "NAME", "of the file, else recognised: " + names);
-    option(*group, "--column", options_.column, "NAME", "one column or sample alone");
+    option(*group, "--format", options_.format, "NAME",
+           "format of the file; default: recognised by its content. One of " + names);
+    option(*group, "--column", options_.column, "NAME", "read one column or sample only");
     option(*group, "--quantity", options_.quantity, "WORD",
-           "quantity of the values, overrides the file: plane_albedo, spherical_albedo, "
+           "what the values are, whatever the file says: plane_albedo, spherical_albedo, "
            "hemispherical, plane_transmittance, spherical_transmittance, brdf, reflectance_factor, "
            "hdrf, d8-sci, d8-sce, 45-0, reflectance, transmittance");
     auto* percent = group->add_flag("--percent", percent_, "the values are percent");
-    group->add_flag("--shares", shares_, "the values are shares of 1, whatever the file says")
+    group->add_flag("--shares", shares_, "the values are fractions of 1, whatever the file says")
         ->excludes(percent);
     option(*group, "--wavelength", options_.wavelength_nm, "NM",
-           "wavelength in nm, of values without one");
-    mu_in_.add_to(*group, "cosine of incidence, of values without one");
-    mu_out_.add_to(*group, "cosine of reflection, of values without one");
+           "wavelength in nm of values that have none in the file");
+    mu_in_.add_to(*group, "cosine of incidence of values that have none in the file");
+    mu_out_.add_to(*group, "cosine of reflection of values that have none in the file");
     option(*group, "--azimuth", options_.azimuth_deg, "DEG",
-           "azimuth in degrees, 0 = mirror side, of values without one");
+           "azimuth in degrees (0 = mirror side) of values that have none in the file");
     option(*group, "--azimuth-zero", options_.azimuth_zero, "SIDE",
-           "meaning of azimuth 0 in the file: mirror, or back (towards the source)");
-    option(*group, "--sigma", options_.sigma, "NUMBER", "standard error of values without one");
+           "what azimuth 0 means in the file: mirror, or back (towards the source)");
+    option(*group, "--sigma", options_.sigma, "NUMBER",
+           "standard error of values that have none in the file");
     option(*group, "--relative-sigma", options_.relative_sigma, "NUMBER",
-           "the same, relative to the value");
-    option(*group, "--wavelengths-file", wavelengths_, "FILE", "of a spectrum of the USGS library");
+           "the same as a fraction of the value");
+    option(*group, "--wavelengths-file", wavelengths_, "FILE",
+           "file with the wavelengths of a spectrum of the USGS library");
 }
 
 Measurements MeasuredArguments::read(const std::string& path) const {
@@ -153,7 +156,8 @@ plot::Picture draw_measured(const Measurements& list, const plot::Caption& capti
     panel.x.label = "vacuum wavelength [nm]";
     panel.curves = measured_curves(list, plot::Mark::line);
     if (panel.curves.empty()) {
-        throw InputError(list.file + ": has neither spectra nor directions that could be drawn");
+        throw InputError(
+            list.file + ": holds neither spectra nor directions, so that there is nothing to draw");
     }
     panel.y.label = axis_of(list.values.front().quantity);
     for (plot::Curve& curve : panel.curves) {

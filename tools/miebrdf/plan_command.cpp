@@ -112,7 +112,8 @@ int plan_scene_file(const std::string& path, const Shell& shell) {
 
 template <typename Arguments>
 void add_kind(CLI::App& plan, Shell& shell, const std::string& name, const std::string& example) {
-    auto* command = plan.add_subcommand(name, "the plan of miebrdf " + name + ", same options");
+    auto* command = plan.add_subcommand(
+        name, "what miebrdf " + name + " would compute; it takes the same options");
     auto arguments = std::make_shared<Arguments>();
     arguments->add_to(*command, shell);
     command->footer(fmt::format("Example:\n  miebrdf plan {} {}", name, example));

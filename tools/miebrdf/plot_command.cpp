@@ -14,8 +14,10 @@
 namespace miebrdf::program {
 
 void PlotArguments::add_to(CLI::App& command) {
-    option(command, "--title", title_, "TEXT", "title above the chart; default: what is shown");
-    option(command, "--scale", scale_, "", "pixels of a PNG for each unit of the page (460 wide)")
+    option(command, "--title", title_, "TEXT",
+           "title above the chart; default: a description of what is shown");
+    option(command, "--scale", scale_, "",
+           "pixels of a PNG for each unit of the page, which is 460 units wide")
         ->check(CLI::Range(0.1, 20.0));
 }
 
@@ -28,7 +30,7 @@ void PlotArguments::check(const Shell& shell) const {
     const bool to_file = !output.empty() && output != "-";
     if (to_file) plot::check_picture_path(output);
     if (shell.common().json && !to_file) {
-        throw UsageError("--json tells on standard output what was written: give -o FILE, too");
+        throw UsageError("--json lists the file that was written: give -o FILE, too");
     }
 }
 
@@ -74,7 +76,8 @@ void add_incidence_option(CLI::App& command, const std::string& incidence,
 }
 
 void add_component_options(CLI::App& command, const ScenePlot& arguments) {
-    option(command, "--component", arguments->components, "", "total, subsurface, surface");
+    option(command, "--component", arguments->components, "",
+           "parts of the BRDF, with commas between: total, subsurface, surface");
     command.add_flag("--log", arguments->logarithmic, "logarithmic scale of the values");
 }
 

@@ -106,9 +106,10 @@ void label_all(std::vector<ShownScene>& scenes, const std::vector<std::string>& 
 
 void add_scene_choices(CLI::App& command, const ScenePlot& arguments) {
     option(command, "--compare", arguments->compare, "SCENE",
-           "show this beside it, too: another base (MEDIUM), a scene file (FILE.toml), or the "
-           "scene with other words: 'coat=AlGaAs7@0.5', 'depth=0.5' (of the top coat), "
-           "'roughness=0.1', several with ; between, none for nothing; repeat it for more")
+           "also show another scene: another base (MEDIUM), a scene file (FILE.toml), or this "
+           "scene with some options changed: 'coat=AlGaAs7@0.5', 'depth=0.5' (of the top coat), "
+           "'roughness=0.1', several with ; between; roughness=none takes the roughness away. "
+           "Repeat it for more scenes")
         ->allow_extra_args(false);
     option(command, "--vary", arguments->vary, "FAMILY",
            "a family of curves: NAME=FROM:TO:COUNT or NAME=A,B,C of depth, roughness, radius, "

@@ -70,8 +70,8 @@ CLI::Option* add_diffuse_fraction(CLI::App& command, std::string& text, const st
 
 void add_derivatives(CLI::App& command, std::string& text) {
     option(command, "--derivatives", text, "NAMES",
-           "adds a column VALUE_d_NAME for each of these numbers of the scene: those that have a "
-           "name in its words, hg:{w=0.9},{g=0.6}@{tau=2}, and n(MATERIAL), k(MATERIAL)");
+           "print derivatives in columns VALUE_d_NAME, by numbers of the scene: those that its "
+           "words give a name, as in hg:{w=0.9},{g=0.6}@{tau=2}, and n(MATERIAL), k(MATERIAL)");
 }
 
 /// @param excluded  why there are no derivatives here; empty: there are
@@ -99,11 +99,11 @@ std::vector<BrdfPart> parse_components(const std::string& text, const Scene& sce
 
 void ColourArguments::add_to(CLI::App& command) {
     option(command, "--colour,--color", viewing_, "ILLUMINANT",
-           "colours instead of spectra: XYZ, Lab, LCh, sRGB under illuminant d65, d50, a or e, by "
-           "the 2-degree observer or, after a comma, that of 10: d65,10");
+           "print colours in place of spectra: XYZ, Lab, LCh and sRGB under the illuminant d65, "
+           "d50, a or e, for the 2-degree observer or (d65,10) the 10-degree one");
     option(command, "--reference", reference_, "FILE",
-           "file whose colours these are compared with (de76, de2000): a scene file, a table of "
-           "this command, or a measured spectrum (whatever `miebrdf measured` reads)");
+           "print the colour differences de76 and de2000 from this file: a scene file, a table of "
+           "this command, or a measured spectrum (any file that `miebrdf measured` reads)");
 }
 
 std::optional<Viewing> ColourArguments::parse(std::vector<double>& wavelength_nm) const {
@@ -179,9 +179,9 @@ void AlbedoArguments::add_to(CLI::App& command, Shell& shell) {
     add_diffuse_fraction(command, diffuse_fraction_, "adds the blue-sky albedo");
     add_derivatives(command, derivatives_);
     option(command, "--over", over_, "GROUNDS",
-           "a dark and a light ground in place of one below, each as in --substrate; black,white "
-           "is a drawdown over a black and a white (albedo 0.8) chart: contrast ratio and, with "
-           "--colour, hiding power");
+           "albedo of the layers over a dark and over a light ground, each written as for "
+           "--substrate, in place of --base or --substrate. black,white is a drawdown over a chart "
+           "(white: albedo 0.8): contrast ratio and, with --colour, hiding power");
     colour_.add_to(command);
 }
 

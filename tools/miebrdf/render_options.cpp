@@ -14,21 +14,23 @@ namespace {
 void add_material_options(CLI::App& command, RenderArguments& a) {
     auto* group = command.add_option_group("Materials and regions");
     option(*group, "--material", a.materials, "'base=MEDIUM coat=MEDIUM@DEPTH roughness=A ...'",
-           "scene options of one material in one string without their dashes, instead of --base; "
-           "repeat for several regions; numbers of hg: and the like may be lists a/b/c, one value "
-           "for each wavelength")
+           "one material in place of --base: its scene options in one string, without their "
+           "dashes. Repeat it for several regions. Numbers of hg:, isotropic:, rayleigh: and "
+           "index: may be lists a/b/c with one value for each wavelength")
         ->allow_extra_args(false);
     option(*group, "--split", a.split, "SHARE",
-           "first material on the left, second on the right; SHARE of the width is the border");
+           "the first material on the left, the second on the right of a border at this fraction "
+           "of the width");
     option(*group, "--mask", a.mask, "FILE.png",
-           "grey levels choose materials: black the first, white the last");
-    option(*group, "--mask-projection", a.mask_projection, "", "front or uv");
+           "picture whose grey levels choose the materials: black the first, white the last");
+    option(*group, "--mask-projection", a.mask_projection, "",
+           "how the mask is projected on the object: front or uv (texture coordinates)");
     option(*group, "--component", a.component, "", "total, subsurface or surface");
     option(*group, "--table", a.table, "N,N",
-           "cosines and most azimuthal orders of the table of light scattered more than once; 0: "
-           "as many as it takes");
+           "size of the table of light scattered more than once: number of cosines, largest number "
+           "of azimuthal orders; 0: as many as needed");
     group->add_flag("--measure-interpolation", a.measure_interpolation,
-                    "compare the table with the solver between its nodes");
+                    "print the table's error between its nodes, against the solver");
 }
 
 void add_picture_options(CLI::App& command, RenderArguments& a) {
@@ -50,13 +52,14 @@ void add_picture_options(CLI::App& command, RenderArguments& a) {
            "size of the picture in pixels; one number: a square");
     option(*group, "--samples", a.options.samples, "", "paths for each pixel");
     option(*group, "--bounces", a.options.bounces, "",
-           "most reflections of a path; 1: direct light");
+           "largest number of reflections of a path; 1: direct light only");
     option(*group, "--clamp", a.options.clamp, "",
-           "limit of the radiance (mean over the wavelengths) that one path adds by light "
-           "reflected twice and more; 0: no limit. Removes bright specks of rare paths, and prints "
-           "the share of light removed");
+           "largest radiance (mean over the wavelengths) that one path may add by light reflected "
+           "more than once; 0: no limit. It removes bright specks of rare paths; the share of "
+           "light that it removes is printed");
     option(*group, "--seed", a.options.seed, "", "seed of the random samples");
-    option(*group, "--exposure", a.exposure, "", "brightens the PNG by powers of two");
+    option(*group, "--exposure", a.exposure, "",
+           "exposure of the PNG in stops: each doubles the brightness");
     option(*group, "--background", a.background, "",
            "background of the PNG: linear R,G,B in [0, 1], transparent or environment");
     option(*group, "--exr", a.exr, "FILE", "write linear RGB and every wavelength to FILE");

@@ -131,8 +131,8 @@ int run_report(const ReportArguments& arguments, const Shell& shell) {
 void add_report(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ReportArguments>();
     option(command, "scenes", arguments->files, "SCENE.toml",
-           "one or two scene files, to be compared side by side; of FILE.toml#2 the second "
-           "result's scene is shown, else that of the first");
+           "one or two scene files, shown side by side; FILE.toml#2 is the scene of the file's "
+           "second result, FILE.toml that of its first");
     arguments->scene.add_to(command, shell, SceneArguments::Base::optional, kReportWavelengths);
     option(command, "--vary", arguments->vary, "NAME=FROM:TO:COUNT",
            "solve the scene COUNT times, with a slider on the page; NAME is depth (of the top "

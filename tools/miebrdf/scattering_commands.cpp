@@ -265,13 +265,15 @@ void add_sphere(CLI::App& command, Shell& shell) {
            "2 pi radius / wavelength in the host, list or range")
         ->required();
     option(command, "--coating", arguments->coatings, "N,K,Y",
-           "a coating: its index and the size parameter of its outside; repeated, from inside out")
+           "a coating: its index and the size parameter of its outer radius. Repeat it for more, "
+           "from inside out")
         ->take_all();
-    option(command, "--aspect", arguments->aspect, "A",
-           "a spheroid in random orientation: its equatorial axis over its axis of rotation, 0.25 "
-           "to 4; size parameters are of the sphere of the same volume");
+    option(
+        command, "--aspect", arguments->aspect, "A",
+        "a spheroid in random orientation in place of the sphere: its equatorial axis over its "
+        "axis of rotation, 0.25 to 4; size parameters are those of the sphere of the same volume");
     option(command, "--angles", arguments->angles, "LIST",
-           "scattering angles in degrees: print amplitudes S1, S2 there instead");
+           "print the amplitudes S1, S2 at these scattering angles (degrees) instead");
     finish(command, shell, arguments, run,
            "Columns: efficiencies q_ext, q_sca, q_abs are cross-sections over that of the whole "
            "particle;\nq_back is the radar backscattering efficiency, 4 pi times the cross-section "
@@ -283,7 +285,8 @@ void add_sphere(CLI::App& command, Shell& shell) {
 void add_optics(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<MediumArguments>();
     add_medium_options(command, shell, *arguments);
-    option(command, "--moments", arguments->highest_moment, "L", "print chi_0 to chi_L")
+    option(command, "--moments", arguments->highest_moment, "L",
+           "also print the Legendre moments chi_0 to chi_L")
         ->check(CLI::Range(0, 100000));
     shell.add_common_options(command);
     command.footer("Example:\n  miebrdf optics TiO2 --wavelengths 400:700:50 --moments 8");

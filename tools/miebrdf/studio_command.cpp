@@ -186,7 +186,8 @@ class Studio {
             view_ = page_of_scene_file(read_file(path));
         } catch (const Error& error) {
             if (!file.empty()) throw;
-            shell_.note(fmt::format("the scene that was left is not read: {}", error.what()));
+            shell_.note(
+                fmt::format("the scene of the last session cannot be read: {}", error.what()));
         }
     }
 
@@ -412,11 +413,11 @@ int run_studio(const StudioArguments& arguments, const Shell& shell) {
 void add_studio(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<StudioArguments>();
     option(command, "scene", arguments->file, "SCENE.toml",
-           "a scene file to begin with (its first result); without it the scene that was left is "
-           "opened");
+           "scene file to begin with (its first result); default: the scene of the last session");
     option(command, "--port", arguments->port, "N",
-           "of 127.0.0.1, where the page is; 0: one that is free");
-    command.add_flag("--no-open", arguments->no_open, "print the address, open no browser");
+           "port of 127.0.0.1 for the page; 0: any free one");
+    command.add_flag("--no-open", arguments->no_open,
+                     "print the address of the page, but open no browser");
     finish(command, shell, arguments, run_studio,
            "Example:\n  miebrdf studio\n  miebrdf studio paint.toml --no-open --port 8080",
            Writes::table);

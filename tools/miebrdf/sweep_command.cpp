@@ -230,7 +230,7 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
         "print the number of scenes, the scenes that cannot be computed, time, memory and "
         "file size; compute nothing");
     option(command, "--sample-seconds", arguments.sample_s, "S",
-           "of --plan: look at no more scenes than take about this processor time")
+           "for --plan: processor time in seconds that is spent on looking at scenes")
         ->check(CLI::Range(0.0, 1e6));
     option(command, "--part", arguments.part, "I/N",
            "compute share I of N (every N-th chunk) and write no table");
@@ -242,7 +242,7 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
     option(command, "--costs", arguments.costs, "FILE",
            "also write the processor time of every chunk that is computed, as CSV");
     command.add_flag("--keep-parts", arguments.keep_parts,
-                     "leave the folder FILE.parts when the table is complete");
+                     "do not remove the folder FILE.parts when the table is complete");
 }
 
 }  // namespace
@@ -252,8 +252,9 @@ void add_sweep(CLI::App& command, Shell& shell) {
     add_options(command, *arguments);
     shell.add_common_options(command, Writes::file);
     command.footer(
-        "Finished chunks are kept in FILE.parts: the same command goes on where one was ended.\n\n"
-        "Example:\n  miebrdf sweep docs/examples/sweeps/snow.toml -o snow.nc");
+        "Finished chunks are kept in the folder FILE.parts: after an interruption, the same "
+        "command goes on from there.\n\nExample:\n  miebrdf sweep docs/examples/sweeps/snow.toml "
+        "-o snow.nc");
     shell.on_prepare(command, [arguments, &shell]() -> Job {
         require_one_task(*arguments);
         if (!arguments->plan) require_table(shell.common().output);

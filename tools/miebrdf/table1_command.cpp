@@ -81,11 +81,11 @@ void add_table1(CLI::App& command, Shell& shell) {
     option(command, "material", arguments->materials, "MATERIAL",
            "materials; default: the paper's four");
     option(command, "--convention", arguments->convention, "",
-           "what the paper leaves open: " + names + "or all");
+           "convention for what the paper does not state: " + names + "or all");
     option(command, "--wavelengths", arguments->wavelengths, "LIST",
-           "instead of the convention's R, G, B");
+           "wavelengths in place of the convention's R, G and B");
     option(command, "--roughness", arguments->roughness, "",
-           "Beckmann slope parameter; 0: the convention's");
+           "slope parameter of Beckmann's distribution; 0: that of the convention");
     option(command, "--database", arguments->database, "FILE", "materials database");
     shell.add_common_options(command);
     command.footer("Example:\n  miebrdf table1\n  miebrdf table1 Au Ag --wavelengths 400:700:100");
