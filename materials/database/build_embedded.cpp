@@ -51,7 +51,7 @@ std::vector<Row> read_rows(const std::filesystem::path& file) {
 double number(const Row& row, const std::string& column) {
     const auto value = parse_number(row.at(column));
     if (!value)
-        throw std::runtime_error(fmt::format("'{}' in {} is no number", row.at(column), column));
+        throw std::runtime_error(fmt::format("'{}' in {} is not a number", row.at(column), column));
     return *value;
 }
 
@@ -75,7 +75,7 @@ Dataset& find(std::vector<Dataset>& datasets, const std::string& material) {
     for (Dataset& dataset : datasets) {
         if (dataset.material == material) return dataset;
     }
-    throw std::runtime_error(fmt::format("a table speaks of the unknown material {}", material));
+    throw std::runtime_error(fmt::format("a table names the unknown material {}", material));
 }
 
 void add_collections(const std::filesystem::path& output, const std::vector<Row>& rows) {

@@ -41,7 +41,7 @@ std::optional<TemperatureName> parse_temperature(const std::string& name) {
     }
     const auto value = parse_number(text);
     if (!value || !(*value + zero_k > 0.0 && std::isfinite(*value)))
-        refuse(fmt::format("'{}' is no temperature", call->arguments[1]));
+        refuse(fmt::format("'{}' is not a temperature", call->arguments[1]));
     return TemperatureName{call->arguments[0], *value + zero_k};
 }
 

@@ -36,7 +36,7 @@ std::vector<double> read_numbers(const std::string& name, const Call& call) {
     for (const std::string& argument : call.arguments) {
         const auto number = parse_number(argument);
         if (!number || !std::isfinite(*number))
-            refuse_model(name, fmt::format("'{}' in {}(...) is no number", argument, call.name));
+            refuse_model(name, fmt::format("'{}' in {}(...) is not a number", argument, call.name));
         numbers.push_back(*number);
     }
     return numbers;

@@ -98,7 +98,7 @@ std::optional<fs::path> find_catalogue(const fs::path& folder) {
 Pages read_catalogue(std::string_view text, const std::string& file) {
     const YamlNode root = parse_yaml(text, file);
     if (root.kind != YamlNode::Kind::sequence)
-        throw ImportError(file, root.line, "is no catalogue");
+        throw ImportError(file, root.line, "is not a catalogue");
     Pages pages;
     std::vector<std::string> owners;  // the book of each page
     std::set<std::string> books;

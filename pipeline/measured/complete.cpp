@@ -86,8 +86,7 @@ void choose_quantity(Measurements& list, const MeasuredOptions& options) {
         for (const auto& [quantity, geometry] : kinds)
             there += (there.empty() ? "" : ", ") +
                      std::string(is_lab(quantity) ? "lab" : word_of(quantity));
-        throw UsageError("quantity", options.quantity,
-                         fmt::format("what {} has: {}", list.file, there));
+        throw UsageError("quantity", options.quantity, fmt::format("{} has: {}", list.file, there));
     }
     const auto keep = [&](auto is_kept) {
         std::erase_if(list.values, [&](const MeasuredValue& v) { return !is_kept(v); });

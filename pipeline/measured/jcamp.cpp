@@ -122,7 +122,7 @@ class JcampLine {
         refuse(file_, line_, fmt::format("more values than ##NPOINTS= says, {}", most));
     }
     [[noreturn]] void fail() const {
-        refuse(file_, line_, fmt::format("'{}' is no packed number", text_.substr(at_, 20)));
+        refuse(file_, line_, fmt::format("'{}' is not a packed number", text_.substr(at_, 20)));
     }
     bool skip_blanks() {
         while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == ','))

@@ -201,10 +201,10 @@ void require_amounts(const Medium& medium) {
     std::size_t without = 0, by_mass = 0;
     for (const Species& species : medium.species) {
         if (!has_extinction(species)) {
-            throw UsageError(fmt::format(
-                "medium '{}': {} brings its optics and no extinction, so nobody knows how much of "
-                "it to mix; allowed in a mixture: materials, source:KEY, {}",
-                text, describe(species), fmt::join(mixable_forms(), ", ")));
+            throw UsageError(
+                fmt::format("medium '{}': {} has optics and no extinction, so its share in a "
+                            "mixture is not known; allowed in a mixture: materials, source:KEY, {}",
+                            text, describe(species), fmt::join(mixable_forms(), ", ")));
         }
         without += species.amount ? 0 : 1;
         by_mass += is_mass(species) ? 1 : 0;

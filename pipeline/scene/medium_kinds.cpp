@@ -256,8 +256,8 @@ materials::RefractiveIndex own_index(const Species& species) {
     const std::size_t count = species.wavelength_nm.size();
     if (count == 0 || species.index.size() != count) {
         throw std::invalid_argument(
-            fmt::format("{} wavelengths and {} refractive indices; allowed: "
-                        "as many of the one as of the other, at least one",
+            fmt::format("{} wavelengths and {} refractive indices; allowed: as many wavelengths as "
+                        "indices, at least one",
                         count, species.index.size()));
     }
     materials::IndexTable table;

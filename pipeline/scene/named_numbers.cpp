@@ -140,7 +140,7 @@ std::vector<WordValue> without_names(const SceneWord& word, std::span<const Word
 void say(Scene& scene, const std::string& word, const std::vector<std::string>& values) {
     const SceneWord* known = find_scene_word(word);
     if (known == nullptr)
-        throw UsageError(fmt::format("'{}' is no word of a scene; base, coat, ... are", word));
+        throw UsageError(fmt::format("'{}' is not a word of a scene, as base and coat are", word));
     Request request{.scene = std::move(scene), .wavelength_nm = {}, .solver = {}};
     const std::vector<WordValue> said(values.begin(), values.end());
     try {

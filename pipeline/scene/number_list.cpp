@@ -25,8 +25,8 @@ using Parse = std::function<double(std::string_view)>;
 std::vector<std::string> split_range(std::string_view part, const std::string& what) {
     std::vector<std::string> ends = split_list(part, ':');
     if (ends.size() != 3) {
-        throw UsageError(fmt::format("{}: '{}' is no range; write first:last:step, e.g. 400:700:10",
-                                     what, part));
+        throw UsageError(fmt::format(
+            "{}: '{}' is not a range; write first:last:step, e.g. 400:700:10", what, part));
     }
     return ends;
 }

@@ -241,10 +241,10 @@ std::optional<mie::SizeDistribution> FileMedium::sizes() const {
 double FileMedium::share_of_number(double per_um3, double wavelength_nm) const {
     if (!has_sizes(species_.scattering)) return per_um3;
     if (species_.scattering.has_averages) {
-        throw UsageError(fmt::format(
-            "scattering file '{}' has averages over sizes that it does not tell: numbers say "
-            "nothing of them; give volume= or mass=",
-            species_.name));
+        throw UsageError(
+            fmt::format("scattering file '{}' has averages over sizes and does not say which: a "
+                        "number of particles has no meaning then; give volume= or mass=",
+                        species_.name));
     }
     const double area_um2 = shares_at(species_, wavelength_nm).area_ratio *
                             mie::mean_cross_section_um2(sizes_of_file(species_));

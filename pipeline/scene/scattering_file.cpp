@@ -315,7 +315,7 @@ void read_scattering_file(const std::string& path, Species& species) {
     try {
         check_scattering(species);
     } catch (const UsageError& error) {
-        refuse(path, fmt::format("is no file of single scattering: {}", error.what()));
+        refuse(path, fmt::format("is not a file of single scattering: {}", error.what()));
     }
 }
 

@@ -242,8 +242,8 @@ void read_libradtran(const Variables& file, Species& species) {
         }
     } else if (file.has("reff")) {
         file.refuse(
-            "has effective radii (reff) and no densities (rho): its extinction is per mass, of "
-            "which nothing follows for a volume; add rho, in g/cm3");
+            "has effective radii (reff) and no densities (rho): its extinction is per mass and not "
+            "per volume; add rho, in g/cm3");
     } else if (file.size(of_sizes) > 1) {
         file.refuse(
             fmt::format("has {} humidities and no effective radii; write one of them into "

@@ -127,7 +127,7 @@ class SceneFile {
         for (const auto& [key, value] : table) {
             const std::string name(key.str());
             if (name == "command")
-                refuse(key.source(), "'command' belongs into a [[result]], one in each");
+                refuse(key.source(), "'command' goes into a [[result]], one into each");
             if (is_structure(name)) continue;
             const bool known = std::any_of(commands_.begin(), commands_.end(), [&](const auto& c) {
                 return kind_of(c, name).has_value();

@@ -96,7 +96,8 @@ void set_quantiles(const Reader& read, ParticleSizes& sizes) {
         read.refuse("two of d10, d50, d90 (or d50 and sigma_g) make a distribution", advice);
     double s = 0.0;
     if (read.has("sigma_g")) {
-        if (d10 || d90 || !d50) read.refuse("sigma_g belongs to d50 alone", advice);
+        if (d10 || d90 || !d50)
+            read.refuse("sigma_g goes with d50 and no other of d10, d90", advice);
         s = std::log(read.number("sigma_g"));
     } else if (d10 && d90) {
         s = 0.5 * std::log(read.length_um("d90") / read.length_um("d10")) / kNinetyPercent;
@@ -209,7 +210,7 @@ void set_sizes(const SizeWords& words, Species& species, const std::string& text
         set_junge(read, sizes);
     } else if (read.has("ssa")) {
         if (!species.coatings.empty())
-            read.refuse("ssa is of particles without coatings", "radius=");
+            read.refuse("ssa is for particles without coatings", "radius=");
         sizes.specific_surface_m2_per_kg =
             parse_quantity(read.value("ssa"), read.what("ssa"), kSpecificSurfaces);
     } else {

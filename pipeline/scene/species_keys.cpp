@@ -246,7 +246,7 @@ void validate_shape(const Species& species, const std::string& text) {
             "grains that are no spheres have no phase function of Mie theory; allowed: "
             "phase=henyey-greenstein, double-henyey-greenstein");
     }
-    if (!species.coatings.empty()) refuse("corrections of shape are of grains without coatings");
+    if (!species.coatings.empty()) refuse("corrections of shape are for grains without coatings");
 }
 
 void validate(const Amount& amount, const std::string& text) {

@@ -75,7 +75,7 @@ Substrate substrate(const std::string& text) {
     if (!text.starts_with(lambert)) {
         throw UsageError(fmt::format(
             "substrate '{}': allowed: black, none (a free film), lambert:ALBEDO, lambert:FILE.csv, "
-            "mirror:MATERIAL, mirror:index:N,K; a medium without end is a base",
+            "mirror:MATERIAL, mirror:index:N,K; an infinitely deep medium is a base",
             text));
     }
     const std::string value = text.substr(lambert.size());

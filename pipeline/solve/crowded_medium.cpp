@@ -49,10 +49,9 @@ bool has_only_spheres(const ResolvedMedium& medium) {
 bool packs(const ResolvedMedium& medium, const char* packing) {
     const bool only_spheres = has_only_spheres(medium);
     if (!only_spheres && medium.has_extinction()) {
-        throw UsageError(
-            fmt::format("medium '{}': packing {} is for spheres; what a file has of "
-                        "crowding nobody knows",
-                        describe(medium.medium), packing));
+        throw UsageError(fmt::format(
+            "medium '{}': packing {} is for spheres; whether a file includes crowding is not known",
+            describe(medium.medium), packing));
     }
     if (only_spheres && !medium.has_amounts) {
         throw UsageError(

@@ -34,17 +34,16 @@ RangeText split_spacing(const std::string& text) {
 std::array<double, 3> ends_and_count(const std::string& name, const RangeText& text) {
     const std::vector<std::string> parts = split_list(text.range, ':');
     if (parts.size() != 3) {
-        throw UsageError(
-            fmt::format("axis {}: '{}' is no range; write first:last:count {}, e.g. "
-                        "50:1000:10 {}",
-                        name, text.range, text.spacing, text.spacing));
+        throw UsageError(fmt::format(
+            "axis {}: '{}' is not a range; write first:last:count {}, e.g. 50:1000:10 {}", name,
+            text.range, text.spacing, text.spacing));
     }
     std::array<double, 3> ends{};
     for (std::size_t i = 0; i < 3; ++i) ends[i] = parse_number(parts[i], "axis " + name);
     const double count = ends[2];
     if (!(count >= 1 && count <= kLongestAxis && count == std::floor(count))) {
-        throw UsageError(fmt::format("axis {}: {} is no number of values; allowed: 1 to {}", name,
-                                     count, kLongestAxis));
+        throw UsageError(fmt::format("axis {}: {} is not a number of values; allowed: 1 to {}",
+                                     name, count, kLongestAxis));
     }
     if (count == 1 && ends[0] != ends[1]) {
         throw UsageError(
@@ -143,19 +142,18 @@ Axis parse_axis(const std::string& name, const std::string& text) {
         return axis;
     }
     if (!parts.spacing.empty() && text.find(',') == std::string::npos) {
-        throw UsageError(
-            fmt::format("axis {}: '{}' is no spacing; allowed: log, linear, both "
-                        "after first:last:count",
-                        name, parts.spacing));
+        throw UsageError(fmt::format(
+            "axis {}: '{}' is not a spacing; allowed: log, linear, both after first:last:count",
+            name, parts.spacing));
     }
     try {
         return axis_of(name, name == "wavelength_nm" ? parse_wavelengths_nm(text)
                                                      : parse_number_list(text, "axis " + name));
     } catch (const UsageError& error) {
         if (text.find(':') != std::string::npos) {
-            throw UsageError(
-                fmt::format("{}; a number of values is said with their spacing: \"0:0.3:7 linear\"",
-                            error.what()));
+            throw UsageError(fmt::format(
+                "{}; for a number of values in place of a step add the spacing: \"0:0.3:7 linear\"",
+                error.what()));
         }
         if (name == "wavelength_nm") throw;
         throw UsageError(

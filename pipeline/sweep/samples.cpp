@@ -56,10 +56,10 @@ SampleRange parse_sample_range(const std::string& name, const std::string& text)
     const std::string spacing = trimmed_text(whole.substr(blank));
     const std::vector<std::string> ends = split_list(whole.substr(0, blank), ':');
     if (ends.size() != 2 || !(spacing.empty() || spacing == "log" || spacing == "linear")) {
-        throw UsageError(fmt::format(
-            "axis {}: '{}' is no range of samples; write first:last, first:last linear or "
-            "first:last log, e.g. 50:1000 log",
-            name, text));
+        throw UsageError(
+            fmt::format("axis {}: '{}' is not a range of samples; write first:last, first:last "
+                        "linear or first:last log, e.g. 50:1000 log",
+                        name, text));
     }
     const SampleRange range{name, parse_number(ends[0], "axis " + name),
                             parse_number(ends[1], "axis " + name), spacing == "log"};

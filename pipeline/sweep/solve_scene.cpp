@@ -165,8 +165,8 @@ void require_transmittance(const Sweep& sweep, const Request& request) {
     if (!scene.substrate || scene.surface ||
         request.solver.coat_method != rte::CoatMethod::automatic) {
         throw UsageError(
-            "there is no transmittance of this scene; it needs a substrate in place of "
-            "the base, no rough surface, and the automatic coat method");
+            "this scene has no transmittance; a transmittance needs a substrate in place of the "
+            "base, no rough surface, and the automatic coat method");
     }
 }
 

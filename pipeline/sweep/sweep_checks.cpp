@@ -104,10 +104,10 @@ void require_names(const Sweep& sweep) {
             require_name(axis.name);
             Sweep unused;
             if (asked_axis(unused, axis.name) != nullptr) {
-                throw UsageError(fmt::format(
-                    "axis '{}' is asked of every solution and cannot be a column of samples; give "
-                    "it a line of its own in [axes]",
-                    axis.name));
+                throw UsageError(
+                    fmt::format("axis '{}' holds for every scene and cannot be a column of "
+                                "samples; give it a line of its own in [axes]",
+                                axis.name));
             }
         }
         if (!dimension.is_coordinate() && dimension.name != "sample") require_name(dimension.name);
@@ -155,7 +155,7 @@ void require_outputs(const Sweep& sweep) {
     const bool has_others = sweep.wants(Output::colour) || sweep.wants(Output::mueller);
     if (!sweep.derivatives.empty() && (has_others || sweep.for_eradiate))
         throw UsageError(
-            "derivatives are of brdf, albedos and transmittances; leave out colour, mueller and "
+            "derivatives exist for brdf, albedos and transmittances; leave out colour, mueller and "
             "layout = \"eradiate\"");
     if (sweep.wants(Output::colour) && !covers_the_visible(sweep.wavelength.numbers))
         throw UsageError(

@@ -244,8 +244,8 @@ class SweepFile : TomlFile {
             const Axis* axis = find_axis(sweep_, name);
             if (name.empty() || (axis != nullptr && axis->is_text()))
                 refuse(item,
-                       "derivatives are by numbers: axes of them, names as in "
-                       "{w=0.9}, n(NAME) and k(NAME)");
+                       "allowed derivatives: by axes of numbers, by names as in {w=0.9}, by "
+                       "n(NAME) and k(NAME)");
             sweep_.derivatives.push_back(name);
         }
     }

@@ -263,7 +263,7 @@ TEST_CASE("between two temperatures n and k are linear in it", "[materials][mode
           "warm at 325 K: 0.75 warm/cold + 0.25 warm/hot");
     CHECK(database.dataset("temperature(warm,325K)").temperature_k == 325.0);
     CHECK_THROWS_WITH(at("temperature(warm,501K)"), Catch::Contains("500 K (warm/hottest)"));
-    CHECK_THROWS_WITH(at("temperature(warm,cold)"), Catch::Contains("is no temperature"));
+    CHECK_THROWS_WITH(at("temperature(warm,cold)"), Catch::Contains("is not a temperature"));
     CHECK_THROWS_WITH(Database::embedded().refractive_index("temperature(TiO2,300K)"),
                       Catch::Contains("does not lie between"));
 }

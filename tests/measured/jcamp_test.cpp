@@ -71,8 +71,8 @@ TEST_CASE("damaged JCAMP-DX files are refused with their line", "[measured][jcam
     refused(jcamp_file("400 10 12 12\n"), "3 values; ##NPOINTS= says 7");
     refused(jcamp_file("400 10 12 12 12\n431 9 8 -5\n"), ":13: begins at 431, expected 408");
     refused(jcamp_file("400A0K%Tl\n408Hjj3\n"), "should repeat");
-    refused(jcamp_file("400 10 12 && 12\n408 9 8 -5\n"), ":12: '&& 12' is no packed number");
-    refused(jcamp_file("400K\n"), "is no packed number");
+    refused(jcamp_file("400 10 12 && 12\n408 9 8 -5\n"), ":12: '&& 12' is not a packed number");
+    refused(jcamp_file("400K\n"), "is not a packed number");
     refused(jcamp_file("400 1\n", "(X++(Y..Y))", "VOLTS"), "##YUNITS= 'VOLTS'");
     refused(jcamp_file("400 1\n", "(R++(I..I))"), "data of the form");
     refused("##TITLE=x\n##JCAMP-DX=4\n##END=\n", "no ##XYDATA=");

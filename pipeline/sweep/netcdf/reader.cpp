@@ -19,7 +19,7 @@ class NetcdfTable : public StoredTable {
                 variables_.push_back(file_->name_of(v));
         }
         if (variables_.empty())
-            throw InputError(fmt::format("'{}' is no table of miebrdf sweep", file));
+            throw InputError(fmt::format("'{}' is not a table of miebrdf sweep", file));
     }
 
     std::vector<std::string> variables() const override { return variables_; }
