@@ -8,6 +8,7 @@
 #include <miebrdf/error.h>
 #include "pipeline/io/table.h"
 #include "pipeline/scene/number_list.h"
+#include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {
 namespace {
@@ -25,8 +26,9 @@ double cosine_of_degrees(double degrees) {
 void DirectionArgument::add_to(CLI::App& group, const std::string& help,
                                const std::string& default_text) {
     const bool in = side_ == Side::in;
-    auto* option = group.add_option(in ? "--mu-in" : "--mu-out", cosines_, help)->type_name("LIST");
-    if (!default_text.empty()) option->default_str(default_text);
+    auto* cosines =
+        group.add_option(in ? "--mu-in" : "--mu-out", cosines_, help)->type_name("LIST");
+    if (!default_text.empty()) cosines->default_str(default_text);
     option(group, in ? "--theta-in,--sun-zenith" : "--theta-out,--view-zenith", degrees_, "LIST",
            fmt::format("the same in degrees from the normal, in place of {}",
                        in ? "--mu-in" : "--mu-out"));

@@ -54,6 +54,8 @@ WordValue value_from(const std::string& name, const json& value) {
     return text;
 }
 
+}  // namespace
+
 SaidWords words_from_page(const json& page) {
     if (!page.is_object()) throw UsageError("words", page.dump().substr(0, 40), "an object");
     SaidWords said;
