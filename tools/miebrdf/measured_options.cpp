@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "pipeline/plot/chart.h"
+#include "tools/miebrdf/command.h"
 
 namespace miebrdf::program {
 namespace {
