@@ -23,6 +23,7 @@
     FORMAT(astm)                \
     FORMAT(radiance)            \
     FORMAT(klems)               \
+    FORMAT(mtlx)                \
     FORMAT(spd)                 \
     FORMAT(irregular)           \
     FORMAT(scattering)
@@ -85,6 +86,12 @@ const Format& find_format(std::string_view name, std::span<const Format> known) 
     throw UsageError(fmt::format(
         "unknown format '{}'; allowed: {}{}", name, fmt::join(names, ", "),
         nearest.empty() ? "" : fmt::format("; did you mean {}?", fmt::join(nearest, " or "))));
+}
+
+std::string left_out_of(const Format& format, const Provenance& origin) {
+    if (!format.holds_mirror || origin.mirror_index == 0.0) return origin.left_out;
+    const std::size_t others = origin.left_out.find("; ");
+    return others == std::string::npos ? "" : origin.left_out.substr(others + 2);
 }
 
 std::vector<std::string> options_of(const Format& format) {

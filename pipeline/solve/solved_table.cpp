@@ -199,7 +199,8 @@ void tell_mirrors(const ResolvedScene& scene, Provenance& provenance) {
     const auto middle = std::min_element(
         scene.wavelength_nm.begin(), scene.wavelength_nm.end(),
         [](double a, double b) { return std::abs(a - kGreen_nm) < std::abs(b - kGreen_nm); });
-    const double n = scene.top_index(std::size_t(middle - scene.wavelength_nm.begin()));
+    const auto at = std::size_t(middle - scene.wavelength_nm.begin());
+    const double n = scene.top_index(at);
     if (n > 1.0) {
         provenance.mirror_index = n;
         provenance.left_out = fmt::format(
@@ -208,11 +209,19 @@ void tell_mirrors(const ResolvedScene& scene, Provenance& provenance) {
             "dielectric of that index over black",
             n, 100.0 * (n - 1) * (n - 1) / ((n + 1) * (n + 1)));
     }
-    if (scene.substrate != Substrate::Kind::mirror) return;
+    // Light that is not scattered comes back from mirrors, from the lower side of free films, and
+    // from where the host changes.
+    bool has_steps = n > 1.0 && scene.substrate == Substrate::Kind::none;
+    for (std::size_t m = scene.first_medium(); scene.boundary && m < scene.media.size(); ++m)
+        has_steps = has_steps || scene.media[m].host_index[at] != n;
+    const bool has_mirror = scene.substrate == Substrate::Kind::mirror;
+    if (!has_mirror && !has_steps) return;
     provenance.left_out += fmt::format(
-        "{}what the mirror below reflects into the mirror direction without scattering: in the "
-        "renderer add a smooth conductor weakened to the mirror reflectance of the scene's albedo",
-        provenance.left_out.empty() ? "" : "; ");
+        "{}what the {} below reflect{} into the mirror direction without scattering: in the "
+        "renderer add a smooth conductor weakened to the mirror reflectance of the scene's "
+        "albedo{}",
+        provenance.left_out.empty() ? "" : "; ", has_mirror ? "mirror" : "smooth surfaces",
+        has_mirror ? "s" : "", provenance.left_out.empty() ? "" : ", less that of the boundary");
 }
 
 }  // namespace

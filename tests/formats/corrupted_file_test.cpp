@@ -46,8 +46,8 @@ bool survives(const std::string& content) {
 }  // namespace
 
 TEST_CASE("every truncation of every format is refused or harmless", "[formats][corrupted]") {
-    const std::string format =
-        GENERATE("csv", "json", "npz", "exr", "pbrt", "pbsdf", "rgl", "ssdd", "astm", "radiance");
+    const std::string format = GENERATE("csv", "json", "npz", "exr", "pbrt", "pbsdf", "rgl", "ssdd",
+                                        "astm", "radiance", "mtlx");
     const std::string content = small_file(format);
     CAPTURE(format, content.size());
     const std::size_t step = std::max<std::size_t>(1, content.size() / 400);
@@ -57,8 +57,8 @@ TEST_CASE("every truncation of every format is refused or harmless", "[formats][
 }
 
 TEST_CASE("bytes turned over at random are refused or harmless", "[formats][corrupted]") {
-    const std::string format =
-        GENERATE("csv", "json", "npz", "exr", "pbrt", "pbsdf", "rgl", "ssdd", "astm", "radiance");
+    const std::string format = GENERATE("csv", "json", "npz", "exr", "pbrt", "pbsdf", "rgl", "ssdd",
+                                        "astm", "radiance", "mtlx");
     const std::string content = small_file(format);
     std::mt19937 engine(5);
     for (int round = 0; round < 300; ++round) {

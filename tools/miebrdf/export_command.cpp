@@ -116,6 +116,14 @@ int export_albedo(const std::string& format, const Brdf& brdf, const Shell& shel
         "spherical albedo (reflectance under diffuse light), wavelengths in nm in vacuum"};
     for (const std::string& source : values.sources)
         spectrum.comments.push_back("source: " + source);
+    if (!values.mirror_reflectance.empty()) {
+        const double share = values.mirror_reflectance[values.mirror_reflectance.size() / 2][0];
+        spectrum.comments.push_back(fmt::format(
+            "mirror reflection included: {:.3g} % along the normal at {} nm; below a dielectric of "
+            "the renderer's own it counts twice",
+            100.0 * share, spectrum.wavelength_nm[spectrum.wavelength_nm.size() / 2]));
+        shell.note(spectrum.comments.back());
+    }
     export_spectrum(spectrum, format, shell.common().output);
     tell_written(values.converged(), shell);
     warn_of_narrow_range(spectrum.wavelength_nm, shell);
@@ -154,7 +162,7 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
                         "not the phase function; codes that apply delta-M can use them",
                         table.chi.front().size()));
     }
-    const nlohmann::ordered_json metadata = {
+    nlohmann::ordered_json metadata = {
         {"generator", fmt::format("miebrdf {}", kVersion)},
         {"command", shell.command_line()},
         {"medium", describe(scene.base)},
@@ -164,6 +172,10 @@ int export_scattering(const std::string& format, const Brdf& brdf, const Shell& 
         {"lm_a1", "(2l + 1) chi_l, the Legendre coefficients of the phase function with mean 1"},
         {"ssa", "scattering / extinction"},
         {"q_ext", "extinction efficiency; not a number for media without particles"}};
+    if (brdf.scene().boundary || !brdf.scene().layers.empty()) {
+        metadata["left_out"] = "the boundary and the layers of the scene: this is its base alone";
+        shell.note("not in the file: " + metadata["left_out"].get<std::string>());
+    }
     table.metadata = metadata.dump(1);
     export_scattering(table, format, shell.common().output);
     tell_written(converged, shell);
@@ -182,13 +194,14 @@ void announce_size(const ExportArguments& arguments, std::size_t wavelengths, co
 /// Writes the files of a BRDF; nothing where they would be too coarse, which is said.
 std::optional<std::vector<ExportedFile>> write_files(const BrdfSource& source,
                                                      const ExportArguments& arguments,
+                                                     const ExportOptions& options,
                                                      const Shell& shell) {
     announce_size(arguments, source.channels().size(), shell);
-    const std::string& left_out = source.provenance().left_out;
+    const std::string left_out = left_out_of(arguments.format(), source.provenance());
     if (!left_out.empty()) shell.note("not in the file: " + left_out);
     try {
-        const auto files = export_brdf(source, arguments.format(), shell.common().output,
-                                       arguments.file(), shell.control());
+        const auto files = export_brdf(source, arguments.format(), shell.common().output, options,
+                                       shell.control());
         for (const ExportedFile& file : files) shell.note(describe(file));
         return files;
     } catch (const TooCoarse& error) {
@@ -222,7 +235,7 @@ int write_measured(const Measurements& measured, const ExportArguments& argument
     const InterpolatedBrdf brdf = interpolated_brdf(measured, provenance, shell.control());
     for (const std::string& doubt : measured.doubts) shell.note("doubt: " + doubt);
     for (const std::string& doubt : brdf.doubts) shell.note("doubt: " + doubt);
-    const auto files = write_files(*brdf.source, arguments, shell);
+    const auto files = write_files(*brdf.source, arguments, arguments.file(), shell);
     if (!files) return kCheckFailed;
     const std::optional<double> largest = largest_albedo_of(*files);
     shell.note(fmt::format(
@@ -243,14 +256,15 @@ int write_measured(const Measurements& measured, const ExportArguments& argument
 }
 
 int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
-    const ExportOptions options = arguments.file();
+    ExportOptions options = arguments.file();
+    if (arguments.format().name == "mtlx") options.subsurface = subsurface_of(brdf);
     std::string command = shell.command_line();
     if (brdf.scene().surface && arguments.coupling_by_default())
         command += " --coupling reciprocal";  // files say what they hold
     const BrdfTable table = brdf.table({.part = parse_brdf_part(arguments.component()),
                                         .command_line = command,
                                         .whole_matrix = arguments.format().whole_matrix});
-    const auto files = write_files(table, arguments, shell);
+    const auto files = write_files(table, arguments, options, shell);
     if (!files) return kCheckFailed;
     const Requested requested = requested_of(brdf, table.report(), options, arguments);
     const bool converged = requested.report.converged();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <miebrdf/brdf.h>
 #include "pipeline/scene/number_list.h"
@@ -70,6 +71,32 @@ std::string resolutions() {
 }
 
 }  // namespace
+
+Request exported_request(const SceneArguments& scene) {
+    Request request = scene.parse();
+    if (!scene.given("coupling")) request.scene.coupling = rte::SurfaceCoupling::reciprocal;
+    std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());  // rgb comes descending
+    return request;
+}
+
+std::optional<SubsurfaceMedium> subsurface_of(const Brdf& brdf) {
+    const std::vector<LayerOptics> layers = brdf.layers();
+    const std::size_t count = brdf.wavelength_nm().size();
+    std::optional<SubsurfaceMedium> top;
+    for (const LayerOptics& named : layers) {
+        if (named.wavelength != 0) continue;  // the lowest layer first
+        SubsurfaceMedium medium;
+        for (const LayerOptics& at : layers) {
+            if (at.layer != named.layer || !at.scattering_per_um || !at.absorption_per_um) continue;
+            const double extinction = *at.scattering_per_um + *at.absorption_per_um;
+            if (extinction > 0.0) medium.mean_free_path_um.push_back(1.0 / extinction);
+            if (at.wavelength == count / 2) medium.asymmetry = at.asymmetry;
+        }
+        if (medium.mean_free_path_um.size() == count && std::isfinite(medium.asymmetry))
+            top = std::move(medium);
+    }
+    return top;
+}
 
 void default_to_reciprocal(CLI::App& command) {
     CLI::Option* coupling = command.get_option("--coupling");
@@ -192,10 +219,7 @@ Measurements ExportArguments::measurements() const {
 Request ExportArguments::scene() const {
     if (!column_.empty() || !azimuth_zero_.empty())
         throw UsageError("--column and --azimuth-zero belong to --from FILE");
-    Request request = scene_.parse();
-    if (!scene_.given("coupling")) request.scene.coupling = rte::SurfaceCoupling::reciprocal;
-    std::sort(request.wavelength_nm.begin(), request.wavelength_nm.end());  // rgb comes descending
-    return request;
+    return exported_request(scene_);
 }
 
 ExportOptions ExportArguments::file() const {

@@ -57,6 +57,14 @@ class ExportArguments {
 /// Says in the help of a command that --coupling defaults to reciprocal there.
 void default_to_reciprocal(CLI::App& command);
 
+/// The request of a scene as files want it: wavelengths ascending, coupling reciprocal where no
+/// word says another one. @throws UsageError, InputError
+Request exported_request(const SceneArguments& scene);
+
+/// The uppermost medium of a scene whose mean free path is known at all wavelengths, its asymmetry
+/// that of the middle one.
+std::optional<SubsurfaceMedium> subsurface_of(const Brdf& brdf);
+
 /// "-78 % at mu_in 0.5, mu_out 0.5, azimuth 180": a region's worst value.
 std::string worst_of(const RegionDeviation& region);
 

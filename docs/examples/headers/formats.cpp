@@ -54,6 +54,18 @@ void show_formats() {
             std::cout << "drawn with density " << file->density(*drawn) << '\n';
     }
 
+    std::cout << "not in the file: " << left_out_of(rgl, table.provenance()) << '\n';
+    ExportOptions with_medium;
+    with_medium.subsurface = SubsurfaceMedium{.mean_free_path_um = {90, 90, 90}, .asymmetry = 0.3};
+    const OpenPbrFit fit = fit_openpbr(table, with_medium);
+    const OpenPbr& surface = fit.surface;
+    for (const OpenPbrParameter& one : openpbr_parameters()) {
+        if (one.number != nullptr) std::cout << one.name << ' ' << surface.*one.number << '\n';
+    }
+    const std::vector<Direction> along_the_normal = {{1.0, 1.0, 0.0}};
+    std::cout << openpbr_brdf(surface, along_the_normal)[0][0] << " / sr in " << fit.colour_space
+              << '\n';
+
     const ReflectanceSpectrum spectrum{{400, 500, 600, 700}, {0.1, 0.2, 0.3, 0.4}, {"an example"}};
     export_spectrum(spectrum, "spd", "grey.spd");
     ScatteringTable scattering;

@@ -31,6 +31,7 @@ namespace miebrdf {
 class BrdfFile;
 struct ExportJob;
 struct ExportOptions;
+struct OpenPbrFit;
 struct ReflectanceSpectrum;
 struct ScatteringTable;
 
@@ -115,6 +116,7 @@ struct Format {
     bool takes_colours = false;            ///< ExportOptions::rgb
     bool whole_matrix = false;             ///< holds Mueller matrices: TableOptions::whole_matrix
     std::vector<FormatOption> extra = {};  ///< ExportOptions::extra
+    bool holds_mirror = false;             ///< that of a smooth boundary: Provenance::mirror_index
 
     AcceptedErrors accepted = {};              ///< by default
     bool needs_ascending_wavelengths = false;  ///< else any order will do
@@ -143,7 +145,16 @@ const Format& find_format(std::string_view name, std::span<const Format> known =
 /// The fields of ExportOptions, and names of its `extra`, that a format looks at.
 std::vector<std::string> options_of(const Format& format);
 
+/// The mirror reflections that files of a format are without, and how to add them; empty: none.
+std::string left_out_of(const Format& format, const Provenance& origin);
+
 // ---------------------------------------------------------------- Writing
+
+/// The medium below the surface, for formats that hold subsurface scattering.
+struct SubsurfaceMedium {
+    std::vector<double> mean_free_path_um = {};  ///< 1 / extinction, at each wavelength
+    double asymmetry = 0.0;                      ///< g in [-1, 1]
+};
 
 /// Options that a format does not take are not looked at.
 struct ExportOptions {
@@ -156,8 +167,9 @@ struct ExportOptions {
     /// read back; 0: that of Format::accepted. Other regions may have theirs, or this if it is
     /// larger.
     double largest_error = 0.0;
-    bool accept_error = false;              ///< write the file whatever was found
-    std::map<std::string, int> extra = {};  ///< Format::extra by name
+    bool accept_error = false;                        ///< write the file whatever was found
+    std::map<std::string, int> extra = {};            ///< Format::extra by name
+    std::optional<SubsurfaceMedium> subsurface = {};  ///< empty: not known
 };
 
 /// How far a file is from the BRDF in one kind of directions.
@@ -223,6 +235,62 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& source, const std::strin
                                       const std::filesystem::path& path,
                                       const ExportOptions& options = {},
                                       const Control& control = {});
+
+/// Parameters of an OpenPBR surface (Academy Software Foundation, OpenPBR 1.1), with the names,
+/// units and defaults of the specification; colours are linear. What is not here has its default.
+struct OpenPbr {
+    double base_weight = 1.0;                            ///< [0, 1]
+    std::array<double, 3> base_color = {0.8, 0.8, 0.8};  ///< [0, 1]
+    double base_diffuse_roughness = 0.0;                 ///< [0, 1]
+    double specular_weight = 1.0;                        ///< >= 0; 0: no boundary
+    double specular_roughness = 0.3;                     ///< [0, 1]; GGX's alpha = roughness^2
+    double specular_ior = 1.5;                           ///< > 0
+    double coat_weight = 0.0;                            ///< [0, 1]
+    std::array<double, 3> coat_color = {1.0, 1.0, 1.0};  ///< [0, 1]
+    double coat_roughness = 0.0;                         ///< [0, 1]
+    double coat_ior = 1.6;                               ///< > 0
+    double coat_darkening = 1.0;                         ///< [0, 1]
+    double subsurface_weight = 0.0;                      ///< [0, 1]
+    std::array<double, 3> subsurface_color = {0.8, 0.8, 0.8};          ///< [0, 1]
+    double subsurface_radius = 1.0;                                    ///< mm, > 0
+    std::array<double, 3> subsurface_radius_scale = {1.0, 0.5, 0.25};  ///< [0, 1]
+    double subsurface_scatter_anisotropy = 0.0;                        ///< g in [-1, 1]
+};
+
+/// A number of OpenPbr, or a colour, under its name in the specification.
+struct OpenPbrParameter {
+    const char* name;                                  ///< "base_color"
+    double OpenPbr::*number = nullptr;                 ///< null: it is a colour
+    std::array<double, 3> OpenPbr::*colour = nullptr;  ///< null: it is a number
+};
+std::span<const OpenPbrParameter> openpbr_parameters();  ///< in the order of the specification
+
+/// The OpenPBR surface that comes nearest to a BRDF.
+struct OpenPbrFit {
+    OpenPbr surface;
+    std::string colour_space;  ///< of its colours: "lin_rec709" or "acescg"
+    std::string colour;        ///< primaries, illuminant and observer of the linear sRGB fitted to
+    std::string weights;       ///< of the directions, in words
+    Deviation deviation;       ///< of the surface from the BRDF, in linear sRGB, by region
+};
+
+/// Fits an OpenPBR surface by least squares of relative errors over five kinds of directions, with
+/// the weights that the result states: a diffuse base; with a specular lobe; with a coat, each
+/// from several starts. A further lobe is kept if it halves the sum of squares. A
+/// smooth boundary is no unknown: its index is Provenance::mirror_index.
+/// @param options  rgb; extra: "acescg", "subsurface"; subsurface
+/// @throws UsageError  options out of range, or a source without wavelengths; Cancelled
+OpenPbrFit fit_openpbr(const BrdfSource& source, const ExportOptions& options = {},
+                       const Control& control = {});
+
+/// BRDF of an OpenPBR surface at each direction, 1/sr without the cosine, without mirror
+/// reflections (roughness 0): the specification's mixture of lobes. The diffuse lobe (EON) lies
+/// below the specular one in the reciprocal form of albedo scaling, the coat takes from what lies
+/// below it on the viewer's side; facets shadow by the heights of both rays together (Smith).
+/// Albedos of rough boundaries are tabulated once for a call: some milliseconds.
+/// @throws UsageError  for parameters and directions out of range
+std::vector<std::array<double, 3>> openpbr_brdf(const OpenPbr& surface,
+                                                std::span<const Direction> directions);
 
 /// About how large the largest file will be; 0 where the format does not know before.
 /// @throws UsageError  options out of range

@@ -1,0 +1,74 @@
+// miebrdf approximate: models of few parameters in place of a scene's BRDF, with what they miss.
+#include <fmt/format.h>
+
+#include "tools/miebrdf/export_options.h"
+#include "tools/miebrdf/result_facts.h"
+
+namespace miebrdf::program {
+namespace {
+
+struct ApproximateArguments {
+    SceneArguments scene;
+    std::string model, rgb = "auto";
+    bool acescg = false;
+};
+
+Table openpbr_table(const OpenPbrFit& fit) {
+    Table table;
+    table.facts = {{"model", std::string("OpenPBR 1.1; subsurface_radius in mm")},
+                   {"colour_space", fit.colour_space},
+                   {"colour", fit.colour},
+                   {"weights", fit.weights}};
+    for (const RegionDeviation& region : fit.deviation.regions)
+        table.facts.emplace_back(fmt::format("residual ({})", region.name),
+                                 fmt::format("{:.2g} rms, worst {}", region.rms, worst_of(region)));
+    table.columns = {"wavelength_nm", "parameter", "value"};
+    for (const OpenPbrParameter& one : openpbr_parameters()) {
+        if (one.number != nullptr) {
+            table.rows.push_back({std::string(), std::string(one.name), fit.surface.*one.number});
+            continue;
+        }
+        for (std::size_t c = 0; c < 3; ++c)
+            table.rows.push_back({std::string(), fmt::format("{}_{}", one.name, "rgb"[c]),
+                                  (fit.surface.*one.colour)[c]});
+    }
+    return table;
+}
+
+}  // namespace
+
+void add_approximate(CLI::App& command, Shell& shell) {
+    auto arguments = std::make_shared<ApproximateArguments>();
+    command.add_option("--model", arguments->model, "openpbr")
+        ->required()
+        ->check(CLI::IsMember({"openpbr"}));
+    arguments->scene.add_to(command, shell);
+    default_to_reciprocal(command);
+    command
+        .add_option("--rgb", arguments->rgb,
+                    "colours: cie (observer and D65), wavelengths (the nearest to 620, 535, 480 "
+                    "nm), auto: cie where the wavelengths cover the visible")
+        ->capture_default_str();
+    command.add_flag("--acescg", arguments->acescg, "colours in ACEScg, not in linear sRGB");
+    shell.add_common_options(command);
+    command.footer(
+        "Example:\n  miebrdf approximate --model openpbr --base "
+        "'TiO2,radius=0.13,volume=15% in index:1.5' --boundary rough:0.1 --wavelengths 400:700:10");
+    shell.on_prepare(command, [arguments, &shell]() -> Job {
+        Request request = exported_request(arguments->scene);
+        const Brdf brdf = solved(request, shell.control());
+        return [brdf, arguments, &shell] {
+            const BrdfTable source = brdf.table({.command_line = shell.command_line()});
+            ExportOptions options;
+            options.rgb = arguments->rgb;
+            options.extra["acescg"] = arguments->acescg ? 1 : 0;
+            options.subsurface = subsurface_of(brdf);
+            shell.write(openpbr_table(fit_openpbr(source, options, shell.control())));
+            if (source.report().converged()) return kGood;
+            shell.note(source.report().summary());
+            return kNotConverged;
+        };
+    });
+}
+
+}  // namespace miebrdf::program
