@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <sstream>
 
@@ -229,6 +230,14 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& given, const Format& for
                                       const fs::path& path, const ExportOptions& options,
                                       const Control& control) {
     if (format.files.empty()) refuse_content(format, "a BRDF");
+    constexpr std::array kHoldTransmitted = {"csv", "json", "npz", "exr", "rgl", "klems"};
+    if (given.provenance().component == "transmitted" &&
+        std::find(kHoldTransmitted.begin(), kHoldTransmitted.end(), format.name) ==
+            kHoldTransmitted.end()) {
+        throw UsageError(fmt::format(
+            "format '{}' holds what is reflected alone; formats that take what is transmitted: {}",
+            format.name, fmt::join(kHoldTransmitted, ", ")));
+    }
     const FiniteSource source(given);
     const ExportOptions ready = ready_options(format, options);
     require_ascending(format, source.wavelength_nm());

@@ -1,10 +1,17 @@
+#include <miebrdf/brdf.h>
+#include <miebrdf/layer_albedos.h>
+
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <pugixml.hpp>
+#include <sstream>
 
 #include "pipeline/formats/check/check.h"
 #include "tests/support/catch.h"
 #include "tests/support/outside/outside_file.h"
 #include "tests/support/sampling.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_material.h"
 #include "tests/support/written_file.h"
 
@@ -103,4 +110,49 @@ TEST_CASE("radiance: check sees a tree that Radiance would paint red", "[formats
 TEST_CASE("radiance: levels out of range are refused", "[formats][radiance][errors]") {
     CHECK_THROWS_WITH(support::written_file("radiance", support::material(), {.resolution = 12}),
                       Catch::Contains("2 to 8"));
+}
+
+TEST_CASE("klems: patches of a film pass what its solution lets pass, from both sides",
+          "[formats][radiance][transmission]") {
+    Scene scene{.layers = {layer("hg:0.95,0.6 in index:1.3@0.7"), layer("hg:0.8,0.2@0.5")}};
+    scene.substrate = substrate("none");
+    const Brdf film = solve(scene, {480, 535, 620}, {.stokes = 1});
+    const FilmTransmission passed(film);
+    const support::TemporaryFolder folder;
+    export_brdf(passed, "klems", folder / "film.xml");
+    CHECK_THROWS_WITH(export_brdf(passed, "merl", folder / "film.binary"),
+                      Catch::Contains("reflected alone") && Catch::Contains("klems"));
+    pugi::xml_document document;
+    REQUIRE(document.load_file((folder / "film.xml").c_str()));
+    const auto layer = document.child("WindowElement").child("Optical").child("Layer");
+    std::map<std::string, std::vector<double>> blocks;
+    for (const auto data : layer.children("WavelengthData")) {
+        const auto block = data.child("WavelengthDataBlock");
+        if (data.child_value("Wavelength") != std::string("Visible")) continue;
+        CHECK(block.child_value("ScatteringDataType") == std::string("BTDF"));
+        std::string text = block.child_value("ScatteringData");
+        std::replace(text.begin(), text.end(), ',', ' ');
+        std::istringstream numbers(text);
+        for (double value = 0; numbers >> value;)
+            blocks[block.child_value("WavelengthDataDirection")].push_back(value);
+    }
+    REQUIRE(blocks.size() == 2);
+    const std::vector<double>&down = blocks["Transmission Back"],
+          &up = blocks["Transmission Front"];
+    REQUIRE(down.size() == 145 * 145);
+    REQUIRE(up.size() == 145 * 145);
+    for (std::size_t i = 0; i < 145; i += 7) CHECK(down[i * 145 + 30] == up[30 * 145 + i]);
+    // The first column is light within 5 degrees of the normal. A patch's projected solid angle:
+    // pi (sin^2 upper - sin^2 lower) of its ring over their number.
+    constexpr double kEdges[] = {0, 5, 15, 25, 35, 45, 55, 65, 75, 90};
+    constexpr int kPatches[] = {1, 8, 16, 20, 24, 24, 24, 16, 12};
+    double sum = passed.unscattered(1, 1.0);
+    std::size_t row = 0;
+    for (int ring = 0; ring < 9; ++ring) {
+        const auto s2 = [&](int k) { return std::pow(std::sin(kEdges[k] * M_PI / 180), 2); };
+        const double share = M_PI * (s2(ring + 1) - s2(ring)) / kPatches[ring];
+        for (int k = 0; k < kPatches[ring]; ++k) sum += share * down[145 * row++];
+    }
+    // 128 points in each pair of patches: 1 %; grey media, the same at each wavelength.
+    CHECK(std::abs(sum - film.albedo({1.0}).plane_transmittance[1][0]) <= 0.01 * sum);
 }

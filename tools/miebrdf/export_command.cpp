@@ -9,6 +9,7 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
+#include <miebrdf/layer_albedos.h>
 #include <miebrdf/version.h>
 #include "pipeline/solve/single_scattering.h"
 #include "tools/miebrdf/command.h"
@@ -279,6 +280,22 @@ int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell
     return converged ? kGood : kNotConverged;
 }
 
+/// What passes a film.
+int write_transmitted(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
+    const FilmTransmission film(brdf, shell.command_line());
+    const auto files = write_files(film, arguments, shell);
+    if (!files) return kCheckFailed;
+    const bool converged = film.report().converged();
+    Table written = table_of(*files);
+    written.facts = {{"error_estimate", rounded(film.report().error_estimate(), 3)},
+                     {"tolerance", film.report().tolerance},
+                     {"converged", std::string(converged ? "yes" : "no")}};
+    shell.tell_written(std::move(written));
+    shell.note(film.report().summary());
+    if (!converged) shell.set_advice(advice_on(film.report().shortfalls()));
+    return converged ? kGood : kNotConverged;
+}
+
 Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shell& shell) {
     const std::string& output = shell.common().output;
     if (output.empty() || output == "-")
@@ -298,6 +315,8 @@ Job prepare_export(const std::shared_ptr<ExportArguments>& arguments, const Shel
     if (arguments->format().content == FormatContent::scattering)
         return [brdf, format, &shell] { return export_scattering(format, brdf, shell); };
     arguments->file();  // refuses lists that are wrong
+    if (arguments->component() == kTransmitted)
+        return [brdf, arguments, &shell] { return write_transmitted(brdf, *arguments, shell); };
     return [brdf, arguments, &shell] { return write_export(brdf, *arguments, shell); };
 }
 

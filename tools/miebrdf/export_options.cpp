@@ -119,7 +119,7 @@ void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     option(*measured, "--column", column_, "NAME", "one column or sample of the file of --from");
     option(*measured, "--azimuth-zero", azimuth_zero_, "SIDE",
            "what azimuth 0 means in the file of --from: mirror or back");
-    option(command, "--component", component_, "", "total, subsurface or surface");
+    option(command, "--component", component_, "", "total, subsurface or surface; transmitted: the BTDF of a film in air");
     add_file_options(command);
 }
 
@@ -195,7 +195,7 @@ void ExportArguments::check_format() const {
             "--resolution makes the lists of directions that are not given; here all three are "
             "given");
     }
-    parse_brdf_part(component_);
+    if (component_ != "transmitted") parse_brdf_part(component_);
 }
 
 Measurements ExportArguments::measurements() const {

@@ -68,7 +68,9 @@ nlohmann::ordered_json metadata(const BrdfSource& source, const Conventions& con
     json["title"] = origin.title;
     json["component"] = origin.component;
     json["format"] = conventions.format;
-    json["quantity"] = "BRDF";
+    const bool passes = origin.component == "transmitted";
+    json["quantity"] =
+        passes ? "BTDF: mu_out is the cosine on the far side, azimuth 0 goes straight on" : "BRDF";
     json["units"] = "1/sr";
     json["cosine"] =
         conventions.cosine_included ? "stored values are BRDF times cosine" : "not included";

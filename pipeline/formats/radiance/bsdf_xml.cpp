@@ -50,15 +50,14 @@ void write_radiance_head(const RgbSource& source, const std::string& definition,
 
 void write_radiance_band(const RadianceBand& band, const std::string& basis, std::size_t row,
                          std::ostream& out) {
-    // The names are those of a window seen from inside: what Radiance calls the front is its back.
     out << "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">"
         << band.wavelength
         << "</Wavelength>\n<SourceSpectrum>CIE Illuminant D65 "
            "1nm.ssp</SourceSpectrum>\n<DetectorSpectrum>"
-        << band.detector
-        << "</DetectorSpectrum>\n<WavelengthDataBlock>\n<WavelengthDataDirection>Reflection "
-           "Back</WavelengthDataDirection>\n"
-        << basis << "<ScatteringDataType>BRDF</ScatteringDataType>\n<ScatteringData>\n";
+        << band.detector << "</DetectorSpectrum>\n<WavelengthDataBlock>\n<WavelengthDataDirection>"
+        << band.direction << "</WavelengthDataDirection>\n"
+        << basis << "<ScatteringDataType>" << (band.direction[0] == 'T' ? "BTDF" : "BRDF")
+        << "</ScatteringDataType>\n<ScatteringData>\n";
     out << (row == 0 ? "{\n" : "");
     const std::size_t line = row == 0 ? 8 : row;
     for (std::size_t i = 0; i < band.values.size(); i += line) {

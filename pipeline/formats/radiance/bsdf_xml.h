@@ -24,6 +24,8 @@ struct RadianceBand {
     const char* wavelength;
     const char* detector;
     std::vector<float> values;  ///< of a tree the first half; the rest is zero
+    /// The names are those of a window seen from inside: Radiance's front is its back.
+    const char* direction = "Reflection Back";
 };
 
 /// @param basis  elements that name the angle basis

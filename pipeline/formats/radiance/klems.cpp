@@ -68,41 +68,58 @@ std::array<double, 3> patch_mean(const RgbSource& source, int in, int out, doubl
     return radiance_xyz(rgb);
 }
 
-/// A matrix of averages over 145 x 145 patches (LBNL/Klems Full), for Y, X and Z.
+/// Matrices of averages over 145 x 145 patches (LBNL/Klems Full), for Y, X and Z.
 void write_klems(const ExportJob& job, std::ostream& out) {
     std::vector<std::pair<int, int>> patches;  // ring, index in the ring
     for (int ring = 0; ring < kRings; ++ring) {
         for (int k = 0; k < kPatches[ring]; ++k) patches.emplace_back(ring, k);
     }
     std::map<std::tuple<int, int, int>, std::array<double, 3>> known;
-    std::array<std::vector<float>, 3> matrices;
-    for (const auto& [ring_out, k_out] : patches) {
-        if (job.control.is_cancelled && job.control.is_cancelled()) throw Cancelled();
-        for (const auto& [ring_in, k_in] : patches) {
-            // Equal indices of incident and outgoing patches are mirror directions.
-            const int turn = kPatches[ring_in] * kPatches[ring_out];
-            const int difference =
-                std::abs(k_out * kPatches[ring_in] - k_in * kPatches[ring_out]) % turn;
-            // The central patch is a full turn wide: no azimuth differs from another.
-            const bool central = kPatches[ring_in] == 1 || kPatches[ring_out] == 1;
-            const int folded = central ? 0 : std::min(difference, turn - difference);
-            auto [mean, is_new] = known.try_emplace({ring_in, ring_out, folded});
-            if (is_new)
-                mean->second = patch_mean(job.rgb, ring_in, ring_out, 360.0 * folded / turn);
-            for (std::size_t c = 0; c < 3; ++c)
-                matrices[c].push_back(static_cast<float>(mean->second[c]));
-        }
-    }
-    write_radiance_head(job.rgb, klems_definition(), out);
+    const auto mean_of = [&](std::size_t from, std::size_t to) {
+        const auto [ring_in, k_in] = patches[from];
+        const auto [ring_out, k_out] = patches[to];
+        // Equal indices of incident and outgoing patches are mirror directions, and straight on.
+        const int turn = kPatches[ring_in] * kPatches[ring_out];
+        const int difference =
+            std::abs(k_out * kPatches[ring_in] - k_in * kPatches[ring_out]) % turn;
+        // The central patch is a full turn wide: no azimuth differs from another.
+        const bool central = kPatches[ring_in] == 1 || kPatches[ring_out] == 1;
+        const int folded = central ? 0 : std::min(difference, turn - difference);
+        auto [mean, is_new] = known.try_emplace({ring_in, ring_out, folded});
+        if (is_new) mean->second = patch_mean(job.rgb, ring_in, ring_out, 360.0 * folded / turn);
+        return mean->second;
+    };
     const std::string basis =
         "<ColumnAngleBasis>LBNL/Klems Full</ColumnAngleBasis>\n<RowAngleBasis>LBNL/Klems "
         "Full</RowAngleBasis>\n";
-    write_radiance_band({"Visible", "ASTM E308 1931 Y.dsp", std::move(matrices[1])}, basis,
-                        patches.size(), out);
-    write_radiance_band({"CIE-X", "ASTM E308 1931 X.dsp", std::move(matrices[0])}, basis,
-                        patches.size(), out);
-    write_radiance_band({"CIE-Z", "ASTM E308 1931 Z.dsp", std::move(matrices[2])}, basis,
-                        patches.size(), out);
+    write_radiance_head(job.rgb, klems_definition(), out);
+    /// @param is_turned  light comes from below: the same with both directions exchanged
+    const auto write_bands = [&](const char* direction, bool is_turned) {
+        std::array<std::vector<float>, 3> matrices;
+        for (std::size_t row = 0; row < patches.size(); ++row) {
+            if (job.control.is_cancelled && job.control.is_cancelled()) throw Cancelled();
+            for (std::size_t column = 0; column < patches.size(); ++column) {
+                const auto mean = is_turned ? mean_of(row, column) : mean_of(column, row);
+                for (std::size_t c = 0; c < 3; ++c)
+                    matrices[c].push_back(static_cast<float>(mean[c]));
+            }
+        }
+        constexpr std::array<std::array<const char*, 2>, 3> kNames = {
+            {{"Visible", "ASTM E308 1931 Y.dsp"},
+             {"CIE-X", "ASTM E308 1931 X.dsp"},
+             {"CIE-Z", "ASTM E308 1931 Z.dsp"}}};
+        constexpr std::array<std::size_t, 3> kChannels = {1, 0, 2};
+        for (std::size_t k = 0; k < kNames.size(); ++k)
+            write_radiance_band(
+                {kNames[k][0], kNames[k][1], std::move(matrices[kChannels[k]]), direction}, basis,
+                patches.size(), out);
+    };
+    if (job.rgb.provenance().component == "transmitted") {
+        write_bands("Transmission Back", false);
+        write_bands("Transmission Front", true);
+    } else {
+        write_bands("Reflection Back", false);
+    }
     write_radiance_tail(out);
 }
 

@@ -40,16 +40,16 @@ std::vector<float> parse_values(const char* text, std::size_t largest) {
     return values;
 }
 
-/// The block of front reflection ("Reflection Back" in WINDOW's words) at a wavelength of that
-/// name; empty when there is none.
+/// The block of front reflection ("Reflection Back" in WINDOW's words), or of what passes from the
+/// front, at a wavelength of that name; empty when there is none.
 /// @throws InputError  for what is no number, or more than `largest` of them
 std::vector<float> radiance_block(const pugi::xml_node& layer, std::string_view wavelength,
                                   std::size_t largest) {
     for (const pugi::xml_node data : layer.children("WavelengthData")) {
         const pugi::xml_node part = data.child("WavelengthDataBlock");
         if (data.child_value("Wavelength") != wavelength) continue;
-        if (part.child_value("WavelengthDataDirection") != std::string_view("Reflection Back"))
-            continue;
+        const std::string_view direction = part.child_value("WavelengthDataDirection");
+        if (direction != "Reflection Back" && direction != "Transmission Back") continue;
         return parse_values(part.child_value("ScatteringData"), largest);
     }
     return {};

@@ -60,25 +60,32 @@ class TreePlane {
     /// The mirror image of a cell on the other side of the plane of incidence.
     std::size_t across(std::size_t cell) const { return cell - cell % n_ + (n_ - 1 - cell % n_); }
 
-    /// Cells in which, or beside which, something narrower than a cell may hide: where neighbours
-    /// differ, and about the mirror direction and retro-reflection.
-    std::vector<std::size_t> uneven(const std::vector<double>& rgb) const {
-        constexpr double kEven = 0.05;  // of neighbours: their cells hold their centre to 1 %
-        std::vector<std::size_t> cells;
+    /// Points for the mean over each cell of one side of the plane of incidence. Something narrower
+    /// than a cell may hide about the mirror direction and retro-reflection, and where neighbours
+    /// differ much; where they differ by less than 5 % their cells hold their centre to 1 %, where
+    /// by less than half a few points know the mean as well.
+    std::vector<std::pair<std::size_t, std::size_t>> points(const std::vector<double>& rgb) const {
+        std::vector<std::pair<std::size_t, std::size_t>> cells;
         for (std::size_t cell = 0; cell < n_ * n_; ++cell) {
-            bool flat = !near_peaks(cell);
+            if (across(cell) < cell) continue;
+            double largest = 0.0;
             const std::size_t x = cell / n_, y = cell % n_;
             const auto compare = [&](std::size_t other) {
                 for (std::size_t c = 0; c < 3; ++c) {
                     const double here = rgb[3 * cell + c], there = rgb[3 * other + c];
-                    flat = flat && std::abs(there - here) <= kEven * std::max(here, there);
+                    const double scale = std::max(here, there);
+                    if (scale > 0.0) largest = std::max(largest, std::abs(there - here) / scale);
                 }
             };
             if (x > 0) compare(cell - n_);
             if (x + 1 < n_) compare(cell + n_);
             if (y > 0) compare(cell - 1);
             if (y + 1 < n_) compare(cell + 1);
-            if (!flat) cells.push_back(cell);
+            if (largest > 0.5 || near_peaks(cell)) {
+                cells.emplace_back(cell, 64);
+            } else if (largest > 0.05) {
+                cells.emplace_back(cell, 16);
+            }
         }
         return cells;
     }
@@ -99,16 +106,25 @@ class TreePlane {
 /// exaggerate them.
 std::vector<double> plane_of(const RgbSource& source, const TreePlane& plane, std::size_t cells,
                              const std::string& stage, const Control& control) {
-    constexpr std::size_t kPoints = 64;  // evenly spread (R-sequence of three dimensions)
     constexpr double kStep[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     std::vector<Direction> directions;
-    for (std::size_t cell = 0; cell < cells; ++cell)
+    std::vector<std::size_t> one_side;
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+        if (plane.across(cell) < cell) continue;
+        one_side.push_back(cell);
         directions.push_back(plane.at(cell, {0.5, 0.5, 0.5}));
-    std::vector<double> rgb = evaluate_all(source, directions, stage, control);
-    const std::vector<std::size_t> uneven = plane.uneven(rgb);
+    }
+    std::vector<double> rgb(3 * cells);
+    const auto keep = [&](std::size_t cell, std::size_t c, double value) {
+        rgb[3 * cell + c] = rgb[3 * plane.across(cell) + c] = value;
+    };
+    const std::vector<double> centres = evaluate_all(source, directions, stage, control);
+    for (std::size_t i = 0; i < centres.size(); ++i) keep(one_side[i / 3], i % 3, centres[i]);
+    const auto points = plane.points(rgb);
     directions.clear();
-    for (const std::size_t cell : uneven) {
-        for (std::size_t p = 0; p < kPoints; ++p) {
+    for (const auto& [cell, count] : points) {
+        for (std::size_t p = 0; p < count; ++p) {
+            // Evenly spread: the R-sequence of three dimensions.
             const auto share = [&](std::size_t axis) {
                 const double multiple = 0.5 + double(p + 1) * kStep[axis];
                 return multiple - std::floor(multiple);
@@ -117,19 +133,14 @@ std::vector<double> plane_of(const RgbSource& source, const TreePlane& plane, st
         }
     }
     const std::vector<double> inside = evaluate_all(source, directions, stage, control);
-    for (std::size_t i = 0; i < uneven.size(); ++i) {
+    auto next = inside.begin();
+    for (const auto& [cell, count] : points) {
         for (std::size_t c = 0; c < 3; ++c) {
             double sum = 0.0;
-            for (std::size_t p = 0; p < kPoints; ++p) sum += inside[3 * (i * kPoints + p) + c];
-            rgb[3 * uneven[i] + c] = sum / double(kPoints);
+            for (std::size_t p = 0; p < count; ++p) sum += next[std::ptrdiff_t(3 * p + c)];
+            keep(cell, c, sum / double(count));
         }
-    }
-    for (std::size_t cell = 0; cell < cells; ++cell) {  // both sides of the plane of incidence
-        const std::size_t across = plane.across(cell);
-        for (std::size_t c = 0; c < 3 && across > cell; ++c) {
-            double &one = rgb[3 * cell + c], &other = rgb[3 * across + c];
-            one = other = (one + other) / 2;
-        }
+        next += std::ptrdiff_t(3 * count);
     }
     return rgb;
 }
