@@ -30,7 +30,7 @@ ROOT = HERE.parents[1]
 CHAPTERS = [
     ("Tutorials", ["docs/tutorials/rendering", "docs/tutorials/snow", "docs/tutorials/paint", "docs/tutorials/fit-snow",
                    "docs/tutorials/fit-drawdown", "docs/tutorials/paste", "docs/tutorials/fit-brdf", "docs/notebooks/README"]),
-    ("Use", ["docs/command-line", "docs/python", "docs/scene-files", "docs/sweeps", "docs/measured", "docs/fitting", "docs/recipes", "docs/inference", "docs/derivatives",
+    ("Use", ["docs/command-line", "docs/python", "docs/scene-files", "docs/sweeps", "docs/measured", "docs/fitting", "docs/grounds", "docs/recipes", "docs/inference", "docs/derivatives",
              "docs/materials", "docs/particles", "docs/mixtures",
              "docs/boundaries", "docs/polarisation", "docs/colour", "docs/formats/README", "docs/plots", "docs/report", "docs/studio",
              "docs/rendering", "docs/subsurface", "docs/gallery"]),

@@ -173,6 +173,8 @@ std::string label_of(const Substrate& substrate) {
             return "nothing";
         case Substrate::Kind::mirror:
             return "mirror of " + host_text(substrate.mirror);
+        case Substrate::Kind::brdf:
+            return "ground " + describe(substrate);
         case Substrate::Kind::lambertian:
             break;
     }

@@ -66,7 +66,9 @@ std::vector<SceneWord> layer_words() {
          .placeholder = "GROUND",
          .help = "in place of the base: black, none (a free film), lambert:ALBEDO (a ground that "
                  "reflects alike in all directions; isotropic:ALBEDO is a medium of scatterers), "
-                 "lambert:FILE.csv (wavelength_nm,albedo), mirror:MATERIAL or mirror:index:N,K",
+                 "lambert:FILE.csv (wavelength_nm,albedo), mirror:MATERIAL, mirror:index:N,K, or a "
+                 "natural ground in air: " +
+                 forms_of_grounds() + " (degrees)",
          .field = "substrate",
          .set = set_text<substrate, &Request::scene, &Scene::substrate>},
         {.name = "coat",

@@ -85,6 +85,12 @@ void validate(const Scene& scene) {
     }
     if (scene.substrate) {
         validate(*scene.substrate);
+        if (scene.boundary && scene.substrate->kind == Substrate::Kind::brdf) {
+            throw UsageError(
+                fmt::format("substrate '{}' is the BRDF of a ground in air, which a boundary above "
+                            "it would change; leave out the boundary, or take lambert:ALBEDO",
+                            describe(*scene.substrate)));
+        }
         // A ground may be bare, under a boundary or without; nothing at all is no scene.
         const bool needs_layers = scene.substrate->kind == Substrate::Kind::none ||
                                   (scene.surface && !scene.surface_index);

@@ -21,6 +21,9 @@ void validate(const Host& host);
 void validate(const Depth& depth);
 void validate(const Substrate& substrate);
 
+/// "rpv:RHO0,K,THETA[,RHOC], ross-li:..."
+std::string forms_of_grounds();
+
 /// The paper's opaque lobe: reads `ALPHA`, `ALPHA,beckmann` or `ALPHA,ggx`; empty for 0.
 /// @throws UsageError
 std::optional<rte::SurfaceOptions> rough_surface(const std::string& text);

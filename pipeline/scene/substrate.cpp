@@ -64,6 +64,41 @@ Substrate read_ground_file(const std::string& path) {
     return ground;
 }
 
+/// "RHO0,K,THETA[,RHOC]"
+std::string form_of(const rte::GroundModel& model) {
+    std::string form = std::string(model.name) + ":";
+    for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+        std::string name = model.parameters[i].name;
+        std::transform(name.begin(), name.end(), name.begin(),
+                       [](char c) { return char(std::toupper(static_cast<unsigned char>(c))); });
+        form += i < model.needed ? (i > 0 ? "," : "") + name : "[," + name + "]";
+    }
+    return form;
+}
+
+std::optional<Substrate> natural_ground(const std::string& text) {
+    const auto models = rte::ground_models();
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        const rte::GroundModel& model = models[m];
+        const std::string prefix = std::string(model.name) + ":";
+        if (!text.starts_with(prefix)) continue;
+        const std::vector<std::string> words = split_list(text.substr(prefix.size()));
+        if (words.size() < model.needed || words.size() > model.parameters.size()) {
+            throw UsageError(fmt::format("substrate '{}': {} numbers; expected {}", text,
+                                         words.size(), form_of(model)));
+        }
+        Substrate ground{.kind = Substrate::Kind::brdf};
+        ground.brdf.kind = static_cast<rte::GroundBrdf::Kind>(m);
+        for (std::size_t i = 0; i < words.size(); ++i)
+            ground.brdf.values[i] = parse_number(words[i], model.parameters[i].name);
+        // Of the model as it was published, the hot spot has one number: rhoc is rho0.
+        if (words.size() < model.parameters.size()) ground.brdf.values[3] = ground.brdf.values[0];
+        validate(ground);
+        return ground;
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 Substrate substrate(const std::string& text) {
@@ -72,11 +107,12 @@ Substrate substrate(const std::string& text) {
     const std::string lambert = "lambert:", mirror = "mirror:";
     if (text.starts_with(mirror) && text.size() > mirror.size())
         return {.kind = Substrate::Kind::mirror, .mirror = host(text.substr(mirror.size()))};
+    if (auto natural = natural_ground(text)) return *natural;
     if (!text.starts_with(lambert)) {
         throw UsageError(fmt::format(
             "substrate '{}': allowed: black, none (a free film), lambert:ALBEDO, lambert:FILE.csv, "
-            "mirror:MATERIAL, mirror:index:N,K; an infinitely deep medium is a base",
-            text));
+            "mirror:MATERIAL, mirror:index:N,K, {}; an infinitely deep medium is a base",
+            text, forms_of_grounds()));
     }
     const std::string value = text.substr(lambert.size());
     if (std::filesystem::exists(value)) return read_ground_file(value);
@@ -96,7 +132,23 @@ Substrate substrate(const std::string& text) {
     return ground;
 }
 
+std::string forms_of_grounds() {
+    std::vector<std::string> forms;
+    forms.reserve(rte::ground_models().size());
+    for (const rte::GroundModel& model : rte::ground_models()) forms.push_back(form_of(model));
+    return fmt::format("{}", fmt::join(forms, ", "));
+}
+
 void validate(const Substrate& substrate) {
+    if (substrate.kind == Substrate::Kind::brdf) {
+        rte::validate(substrate.brdf);
+        const double albedo = rte::energy_of(substrate.brdf).spherical_albedo;
+        if (albedo <= 1.0 && albedo >= 0.0) return;
+        throw UsageError(fmt::format(
+            "substrate '{}' returns {:.3g} of uniform light; allowed: 0 to 1 (lower its first "
+            "number)",
+            describe(substrate), albedo));
+    }
     if (substrate.kind == Substrate::Kind::mirror) validate(substrate.mirror);
     if (substrate.kind != Substrate::Kind::lambertian) return;
     const std::size_t count = substrate.albedo.size();
@@ -119,6 +171,14 @@ std::string describe(const Substrate& substrate) {
             return "none";
         case Substrate::Kind::mirror:
             return "mirror:" + describe(substrate.mirror);
+        case Substrate::Kind::brdf: {
+            const rte::GroundModel& model = substrate.brdf.model();
+            return fmt::format(
+                "{}:{}", model.name,
+                fmt::join(substrate.brdf.values.begin(),
+                          substrate.brdf.values.begin() + std::ptrdiff_t(model.parameters.size()),
+                          ","));
+        }
         case Substrate::Kind::lambertian:
             break;
     }

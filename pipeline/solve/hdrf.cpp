@@ -4,7 +4,11 @@
 #include <miebrdf/value_derivatives.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+
+#include <miebrdf/transfer.h>
+#include "rte/math/quadrature.h"
 
 namespace miebrdf {
 namespace {
@@ -52,10 +56,11 @@ BrdfParts parts_of_sun(double diffuse_fraction) {
 }
 
 /// Of both parts, or their derivatives.
-/// @param sky  at the cosines of reflection; not looked at without diffuse light
+/// @param sky  at the cosines of reflection; empty: the sun's part alone
 HdrfValues mixed(const Directions& directions, double diffuse_fraction, const BrdfValues& sun,
                  const AlbedoValues& sky) {
-    const bool diffuse = diffuse_fraction > 0.0, sunny = diffuse_fraction < 1.0;
+    const bool diffuse = diffuse_fraction > 0.0 && !sky.spherical_albedo.empty(),
+               sunny = diffuse_fraction < 1.0;
     const std::size_t ins = directions.mu_in.size(), outs = directions.mu_out.size(),
                       azimuths = directions.azimuth_deg.size();
     HdrfValues values;
@@ -89,6 +94,89 @@ HdrfValues Brdf::hdrf(const Directions& directions, double diffuse_fraction) con
     const BrdfValues sun = evaluate(directions, parts_of_sun(diffuse_fraction));
     return mixed(directions, diffuse_fraction, sun,
                  diffuse_fraction > 0.0 ? albedo(directions.mu_out) : AlbedoValues{});
+}
+
+namespace {
+
+/// pi f L mu over L mu, summed over nodes of the sky: [wavelength][direction].
+struct SkySums {
+    std::vector<std::vector<double>> factor;
+    ResultReport report;
+};
+
+/// @param cosines, azimuths  of the nodes, how many
+SkySums under_sky(const Brdf& brdf, const Directions& directions, const Sky& sky, int cosines,
+                  int azimuths) {
+    const math::Quadrature mu = math::gauss_legendre(cosines, 0.0, 1.0);
+    const auto& [mu_in, mu_out, azimuth_deg] = directions;
+    Directions nodes{mu.nodes, mu_out, {}};
+    const auto from_sun = [&](int k) { return 360.0 * (k + 0.5) / azimuths; };
+    nodes.azimuth_deg.reserve(azimuth_deg.size() * std::size_t(azimuths));
+    for (const double view : azimuth_deg) {
+        for (int k = 0; k < azimuths; ++k) nodes.azimuth_deg.push_back(view - from_sun(k));
+    }
+    const BrdfValues f = brdf.evaluate(nodes, {.subsurface = false, .total = true});
+    // A mirror shows the sky beyond it.
+    const AlbedoValues mirrors = brdf.albedo(mu_out);
+    const auto turns = std::size_t(azimuths);
+    SkySums sums;
+    sums.report = f;
+    for (std::size_t w = 0; w < f.slices.size(); ++w) {
+        const double nm = brdf.wavelength_nm()[w];
+        std::vector<double>& all = sums.factor.emplace_back();
+        for (const double sun : mu_in) {
+            std::vector<double> weights(mu.nodes.size() * turns);
+            double irradiance = 0.0;
+            for (std::size_t i = 0; i < weights.size(); ++i) {
+                const std::size_t n = i / turns;
+                weights[i] = 2.0 * std::numbers::pi / azimuths * mu.weights[n] * mu.nodes[n] *
+                             sky.radiance(mu.nodes[n], from_sun(int(i % turns)), sun, nm);
+                irradiance += weights[i];
+            }
+            for (std::size_t o = 0; o < mu_out.size(); ++o) {
+                for (std::size_t a = 0; a < azimuth_deg.size(); ++a) {
+                    double sum = 0.0;
+                    for (std::size_t i = 0; i < weights.size(); ++i)
+                        sum += weights[i] * f.at(w, i / turns, o, a * turns + i % turns);
+                    if (!mirrors.mirror_reflectance.empty())
+                        sum += mirrors.mirror_reflectance[w][o] *
+                               sky.radiance(mu_out[o], azimuth_deg[a], sun, nm);
+                    all.push_back(irradiance > 0.0 ? std::numbers::pi * sum / irradiance : 0.0);
+                }
+            }
+        }
+    }
+    return sums;
+}
+
+}  // namespace
+
+HdrfValues Brdf::hdrf(const Directions& directions, double diffuse_fraction, const Sky& sky) const {
+    if (sky.kind == Sky::Kind::uniform || diffuse_fraction == 0.0)
+        return hdrf(directions, diffuse_fraction);
+    require_sky(*this, diffuse_fraction);
+    rte::validate(directions);
+    // Circumsolar light, lobes and glories are smooth beside the nodes, or the estimate says so.
+    constexpr int kCosines = 24, kAzimuths = 48;
+    const SkySums coarse = under_sky(*this, directions, sky, kCosines / 2, kAzimuths / 2);
+    SkySums fine = under_sky(*this, directions, sky, kCosines, kAzimuths);
+    HdrfValues values = mixed(directions, diffuse_fraction,
+                              evaluate(directions, parts_of_sun(diffuse_fraction)), {});
+    add_report(values, fine.report);
+    for (std::size_t w = 0; w < fine.factor.size(); ++w) {
+        double largest = 0.0, apart = 0.0;
+        if (values.hdrf.size() == w) values.hdrf.emplace_back(fine.factor[w].size(), 0.0);
+        for (std::size_t i = 0; i < fine.factor[w].size(); ++i) {
+            values.hdrf[w][i] += diffuse_fraction * fine.factor[w][i];
+            largest = std::max(largest, std::abs(values.hdrf[w][i]));
+            apart = std::max(apart, std::abs(fine.factor[w][i] - coarse.factor[w][i]));
+        }
+        WavelengthReport& report = values.wavelengths[w];
+        const double error = largest > 0.0 ? diffuse_fraction * apart / largest : 0.0;
+        report.error_estimate = std::max(report.error_estimate, error);
+        report.converged = report.converged && error <= values.tolerance;
+    }
+    return values;
 }
 
 WithDerivatives<HdrfValues> hdrf_derivatives(const Brdf& brdf,

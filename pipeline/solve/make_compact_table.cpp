@@ -209,7 +209,7 @@ void CompactTable::add_single_scattering(const Tables& tables, double tolerance,
     bool layered = false, any = false;
     for (const SolvedTable* table : tables) {
         for (const SolvedWavelength& at : table->wavelengths) {
-            if (at.has_optical_steps()) return;  // in the series
+            if (at.has_optical_steps() || at.stack().ground) return;  // in the series
             for (const rte::ScaledMedium& medium : at.stack().media) {
                 any = true;
                 layered = layered || std::isfinite(medium.scaled_optical_depth) ||
@@ -282,7 +282,7 @@ void CompactTable::add_multiple(const Tables& tables, int cosines, const Compact
                 at.smooth().series_at(nodes[i], nodes[o], a);
                 const double surface = at.transmitted(nodes[i], nodes[o]);
                 for (double& value : a) value *= surface > 0.0 ? 1.0 / surface : 0.0;
-                if (angles_ == 0 && !at.stack().media.empty()) {
+                if (angles_ == 0 && (!at.stack().media.empty() || at.stack().ground)) {
                     part->first_order().evaluate_alone(own, nodes[i], nodes[o], cos_azimuth, once,
                                                        scratch);
                     add_series(once, 1.0, a);

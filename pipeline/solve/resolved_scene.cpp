@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pipeline/cache/job_key.h"
 #include "pipeline/scene/medium_kinds.h"
@@ -151,6 +152,17 @@ void note_no_absorption(const ResolvedScene& scene, Resolver& resolver) {
         count == all ? "" : fmt::format(" at {} of {} wavelengths", count, all)));
 }
 
+void note_energy(const Substrate& ground, Resolver& resolver) {
+    const rte::GroundEnergy energy = rte::energy_of(ground.brdf);
+    if (energy.above_one_below_mu > 0.0) {
+        resolver.add_note(
+            fmt::format("{} returns more light than it gets at mu_in {:.2g} and below",
+                        describe(ground), energy.above_one_below_mu));
+    }
+    if (energy.is_negative)
+        resolver.add_note(describe(ground) + " has a BRDF below 0 in some directions");
+}
+
 }  // namespace
 
 ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_nm,
@@ -163,6 +175,10 @@ ResolvedScene resolve(const Scene& scene, const std::vector<double>& wavelength_
         for (const double nm : wavelength_nm)
             resolved.ground_albedo.push_back(ground_albedo_at(*scene.substrate, nm));
         resolver.add_source("substrate " + describe(*scene.substrate));
+        if (scene.substrate->kind == Substrate::Kind::brdf) {
+            resolved.ground = scene.substrate->brdf;
+            note_energy(*scene.substrate, resolver);
+        }
         resolved.media.emplace_back();
     } else {
         resolved.media.push_back(resolver.base(scene.base, wavelength_nm));
@@ -204,6 +220,7 @@ void ResolvedScene::add_to(JobKey& key, std::size_t wavelength) const {
     }
     if (!mirror_index.empty()) key.add(mirror_index[wavelength]);
     if (substrate) key.add(ground_albedo[wavelength]);
+    if (ground) key.add(ground->kind).add(std::span<const double>(ground->values));
     for (std::size_t i = first_medium(); i < media.size(); ++i) {
         key.add(media[i].key[wavelength]);
         if (i == 0) continue;

@@ -101,6 +101,7 @@ struct ResolvedScene {
     std::vector<ResolvedDepth> depths = {};  ///< of media[1], media[2], ...
     std::optional<Substrate::Kind> substrate = {};
     std::vector<double> ground_albedo = {};               ///< of the substrate, at every wavelength
+    std::optional<rte::GroundBrdf> ground = {};           ///< of Substrate::Kind::brdf
     std::vector<std::complex<double>> mirror_index = {};  ///< of a mirror, at every wavelength
     std::vector<double> scene_host_index = {};  ///< of the scene's host, where it has a boundary
     std::optional<rte::Boundary> boundary = {};

@@ -22,6 +22,10 @@ struct Place {
 void put_on_ground(const ResolvedScene& scene, std::size_t wavelength, rte::Stack& stack) {
     stack.ground_albedo = scene.ground_albedo[wavelength];
     stack.base_kind = stack.ground_albedo > 0.0 ? rte::BaseKind::lambertian : rte::BaseKind::none;
+    if (scene.ground) {
+        stack.base_kind = rte::BaseKind::brdf;
+        stack.ground = *scene.ground;
+    }
     if (!scene.scene_host_index.empty()) stack.base_index = scene.scene_host_index[wavelength];
     const bool is_free = scene.substrate == Substrate::Kind::none && scene.boundary;
     if (!is_free && scene.mirror_index.empty()) return;

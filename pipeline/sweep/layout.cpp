@@ -104,6 +104,13 @@ Layout layout_of(const Sweep& sweep) {
             case Output::colour:
                 add_colours(builder, sweep);
                 break;
+            case Output::hdrf:
+                add("hdrf", "hemispherical-directional reflectance factor under sun and sky", "1",
+                    {w, in, out, &sweep.azimuth});
+                break;
+            case Output::emissivity:
+                add("emissivity", "emissivity towards the direction of mu_in", "1", {w, in});
+                break;
             case Output::mueller: {
                 const int components = components_of(sweep);
                 for (int row = 0; row < components; ++row) {

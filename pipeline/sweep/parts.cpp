@@ -105,8 +105,8 @@ Chunk Chunks::operator[](std::size_t number) const {
 std::string identity_of(const Sweep& sweep) {
     // The title and the text are for readers of tables; files in words count by their content.
     const auto& [title, words, dimensions, optical_dimensions, wavelength, incidence, reflection,
-                 azimuth, outputs, derivatives, viewing, for_eradiate, scenes_per_chunk, text,
-                 folder] = sweep;
+                 azimuth, outputs, derivatives, viewing, diffuse_fraction, for_eradiate,
+                 scenes_per_chunk, text, folder] = sweep;
     JobKey key("sweep");
     key.add(kVersion).add(dimensions).add(optical_dimensions).add(scenes_per_chunk);
     key.add(wavelength).add(incidence).add(reflection).add(azimuth);
@@ -118,6 +118,7 @@ std::string identity_of(const Sweep& sweep) {
         .add(derivatives)
         .add(viewing.illuminant)
         .add(viewing.observer)
+        .add(diffuse_fraction)
         .add(for_eradiate)
         .hash();
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include <miebrdf/value_derivatives.h>
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/sweep/layout.h"
 
@@ -77,6 +78,20 @@ void add_brdf(const Brdf& brdf, const Part& part, Record& record) {
     record.add(all.values);
 }
 
+void add_hdrf(const Brdf& brdf, const Part& part, Record& record) {
+    const Directions directions = part.sweep.directions();
+    const double share = part.sweep.diffuse_fraction;
+    const auto all = part.derivatives.empty()
+                         ? WithDerivatives<HdrfValues>{brdf.hdrf(directions, share), {}, {}}
+                         : hdrf_derivatives(brdf, part.derivatives, directions, share);
+    for (std::size_t w = 0; w < all.values.hdrf.size(); ++w) {
+        record.set("hdrf", w, all.values.hdrf[w]);
+        for (std::size_t p = 0; p < all.derivatives.size(); ++p)
+            record.set(derivative_name("hdrf", all.parameters[p]), w, all.derivatives[p].hdrf[w]);
+    }
+    record.add(all.values);
+}
+
 /// Elements that this scene does not have stay not-a-number.
 void add_mueller(const Brdf& brdf, const Directions& directions, const Layout& layout,
                  Record& record) {
@@ -119,9 +134,10 @@ void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& rec
     }
 }
 
+/// @param all    1; of derivatives 0
 /// @param spell  the variable's name
 template <typename Spell>
-void set_albedos(const AlbedoValues& values, const Sweep& sweep, const Spell& spell,
+void set_albedos(const AlbedoValues& values, const Sweep& sweep, double all, const Spell& spell,
                  Record& record) {
     const auto set = [&](Output output, std::size_t w, const std::vector<double>& list) {
         if (sweep.wants(output)) record.set(spell(name_of(output)), w, list);
@@ -129,6 +145,9 @@ void set_albedos(const AlbedoValues& values, const Sweep& sweep, const Spell& sp
     for (std::size_t w = 0; w < values.spherical_albedo.size(); ++w) {
         set(Output::plane_albedo, w, values.plane_albedo[w]);
         set(Output::spherical_albedo, w, {values.spherical_albedo[w]});
+        std::vector<double> emissivity = values.plane_albedo[w];
+        for (double& value : emissivity) value = all - value;
+        set(Output::emissivity, w, emissivity);
         if (values.spherical_transmittance.empty()) continue;
         set(Output::plane_transmittance, w, values.plane_transmittance[w]);
         set(Output::spherical_transmittance, w, {values.spherical_transmittance[w]});
@@ -143,10 +162,10 @@ void add_albedos(const Brdf& brdf, const Part& part, Record& record) {
         return brdf.derivatives(part.derivatives).albedo(mu_in);
     }();
     set_albedos(
-        all.values, sweep, [](const std::string& name) { return name; }, record);
+        all.values, sweep, 1.0, [](const std::string& name) { return name; }, record);
     for (std::size_t p = 0; p < all.derivatives.size(); ++p) {
         set_albedos(
-            all.derivatives[p], sweep,
+            all.derivatives[p], sweep, 0.0,
             [&](const std::string& name) { return derivative_name(name, all.parameters[p]); },
             record);
     }
@@ -158,6 +177,11 @@ void add_albedos(const Brdf& brdf, const Part& part, Record& record) {
 }  // namespace
 
 void require_transmittance(const Sweep& sweep, const Request& request) {
+    if (sweep.wants(Output::emissivity) && request.scene.substrate &&
+        request.scene.substrate->kind == Substrate::Kind::none)
+        throw UsageError(
+            "a free film has no emissivity by its albedo alone: light passes it; give a base or "
+            "another substrate");
     const bool is_wanted =
         sweep.wants(Output::plane_transmittance) || sweep.wants(Output::spherical_transmittance);
     if (!is_wanted) return;
@@ -196,6 +220,7 @@ SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t sc
             const Part part{sweep, layout, derivatives, places.size() == sweep.wavelength.size()};
             Record record(layout, places, result);
             if (sweep.wants(Output::brdf)) add_brdf(brdf, part, record);
+            if (sweep.wants(Output::hdrf)) add_hdrf(brdf, part, record);
             if (sweep.wants(Output::mueller)) add_mueller(brdf, sweep.directions(), layout, record);
             if (sweep.wants_albedos()) add_albedos(brdf, part, record);
         };

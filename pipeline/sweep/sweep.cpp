@@ -115,7 +115,7 @@ bool Sweep::wants(Output output) const {
 
 bool Sweep::wants_albedos() const {
     return std::any_of(outputs.begin(), outputs.end(), [](Output output) {
-        return output != Output::brdf && output != Output::mueller;
+        return output != Output::brdf && output != Output::mueller && output != Output::hdrf;
     });
 }
 
@@ -151,6 +151,10 @@ const char* name_of(Output output) {
             return "colour";
         case Output::mueller:
             return "mueller";
+        case Output::hdrf:
+            return "hdrf";
+        case Output::emissivity:
+            return "emissivity";
     }
     return "";
 }

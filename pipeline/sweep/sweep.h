@@ -58,7 +58,9 @@ enum class Output {
     plane_transmittance,
     spherical_transmittance,
     colour,
-    mueller,  ///< m11, m12, ...: 3 x 3, with `stokes = 4` of the first scene 4 x 4
+    mueller,     ///< m11, m12, ...: 3 x 3, with `stokes = 4` of the first scene 4 x 4
+    hdrf,        ///< under sun and sky: Sweep::diffuse_fraction
+    emissivity,  ///< towards each mu_in, 1 - plane albedo (Kirchhoff)
 };
 
 struct Sweep {
@@ -75,6 +77,7 @@ struct Sweep {
     /// words, n(NAME), k(NAME).
     std::vector<std::string> derivatives = {};
     Viewing viewing = {};
+    double diffuse_fraction = 0.0;     ///< of the light of hdrf, in [0, 1]
     bool for_eradiate = false;         ///< layout of the table (eradiate.h)
     std::size_t scenes_per_chunk = 0;  ///< as the file says; 0: chosen
     std::string text = {};             ///< the file, for the provenance of tables
@@ -84,7 +87,10 @@ struct Sweep {
     /// Scenes with the same place along the optical dimensions: they share Mie theory.
     std::size_t scenes_per_group() const;
     bool wants(Output output) const;
-    bool wants_matrices_or_brdf() const { return wants(Output::brdf) || wants(Output::mueller); }
+    /// Anything with directions of reflection.
+    bool wants_matrices_or_brdf() const {
+        return wants(Output::brdf) || wants(Output::mueller) || wants(Output::hdrf);
+    }
     /// Anything that Fourier order 0 has.
     bool wants_albedos() const;
     /// Null if there is none of this name.

@@ -25,7 +25,9 @@ constexpr std::array kOutputs = {Output::brdf,
                                  Output::plane_transmittance,
                                  Output::spherical_transmittance,
                                  Output::colour,
-                                 Output::mueller};
+                                 Output::mueller,
+                                 Output::hdrf,
+                                 Output::emissivity};
 
 /// Names of variables that a table has besides its axes.
 const std::set<std::string> kReserved = {"brdf",
@@ -34,6 +36,8 @@ const std::set<std::string> kReserved = {"brdf",
                                          "plane_transmittance",
                                          "spherical_transmittance",
                                          "colour",
+                                         "hdrf",
+                                         "emissivity",
                                          "error_estimate",
                                          "converged",
                                          "remark",
@@ -145,8 +149,10 @@ void require_outputs(const Sweep& sweep) {
         throw UsageError(
             "a sweep needs wavelengths; write wavelength_nm = \"400:700:10\" in [axes]");
     for (const Output output : sweep.outputs) {
-        const bool has_azimuth = output == Output::brdf || output == Output::mueller;
-        if (has_azimuth || output == Output::plane_albedo || output == Output::plane_transmittance)
+        const bool has_azimuth =
+            output == Output::brdf || output == Output::mueller || output == Output::hdrf;
+        if (has_azimuth || output == Output::plane_albedo ||
+            output == Output::plane_transmittance || output == Output::emissivity)
             require_axis(sweep.incidence, "mu_in or theta_in_deg", output);
         if (!has_azimuth) continue;
         require_axis(sweep.reflection, "mu_out or theta_out_deg", output);
@@ -155,15 +161,17 @@ void require_outputs(const Sweep& sweep) {
     const bool has_others = sweep.wants(Output::colour) || sweep.wants(Output::mueller);
     if (!sweep.derivatives.empty() && (has_others || sweep.for_eradiate))
         throw UsageError(
-            "derivatives exist for brdf, albedos and transmittances; leave out colour, mueller and "
+            "derivatives exist for brdf, hdrf, albedos, emissivities and transmittances; leave "
+            "out colour, mueller and "
             "layout = \"eradiate\"");
     if (sweep.wants(Output::colour) && !covers_the_visible(sweep.wavelength.numbers))
         throw UsageError(
             "the output colour needs eight or more ascending wavelengths from 430 nm or "
             "less to 650 nm or more");
-    const bool uses_incidence =
-        sweep.wants_matrices_or_brdf() || sweep.wants(Output::plane_albedo) ||
-        sweep.wants(Output::plane_transmittance) || sweep.wants(Output::colour);
+    const bool uses_incidence = sweep.wants_matrices_or_brdf() ||
+                                sweep.wants(Output::plane_albedo) ||
+                                sweep.wants(Output::plane_transmittance) ||
+                                sweep.wants(Output::colour) || sweep.wants(Output::emissivity);
     const auto refuse_unused = [](const Axis& axis, bool is_used) {
         if (axis.size() > 0 && !is_used)
             throw UsageError(fmt::format("axis '{}' is not used by these outputs", axis.name));

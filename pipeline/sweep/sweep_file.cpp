@@ -17,8 +17,9 @@ namespace miebrdf::sweep {
 namespace {
 
 constexpr char kKind[] = "sweep file";
-const std::vector<std::string> kKeys = {"title",   "scene",   "axes",  "outputs", "units",
-                                        "combine", "viewing", "chunk", "layout",  "derivatives"};
+const std::vector<std::string> kKeys = {
+    "title",   "scene", "axes",   "outputs",     "units",           "combine",
+    "viewing", "chunk", "layout", "derivatives", "diffuse_fraction"};
 
 class SweepFile : TomlFile {
   public:
@@ -35,6 +36,20 @@ class SweepFile : TomlFile {
         read_derivatives();
         if (const std::string eye = text_of(root(), "viewing"); !eye.empty())
             at(*root().get("viewing"), [&] { sweep_.viewing = viewing(eye); });
+        if (const toml::node* share = root().get("diffuse_fraction")) {
+            const auto number = share->value<double>();
+            if (!number || !(*number >= 0.0 && *number <= 1.0) || !sweep_.wants(Output::hdrf))
+                refuse(*share,
+                       "'diffuse_fraction' is the share of the sky in the light of the "
+                       "output hdrf, 0 to 1");
+            sweep_.diffuse_fraction = *number;
+        } else if (sweep_.wants(Output::hdrf)) {
+            at(root(), [] {
+                throw UsageError(
+                    "the output hdrf needs diffuse_fraction = 0.2, the share of the "
+                    "sky in the light");
+            });
+        }
         if (const toml::node* chunk = root().get("chunk")) {
             const auto count = chunk->value_exact<std::int64_t>();
             if (!count || *count < 1 || *count > 1'000'000)

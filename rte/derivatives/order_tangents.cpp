@@ -63,7 +63,8 @@ bool OrderTangents::can_solve(const FrozenStack& frozen, const ScaledStack& plus
         });
     };
     const auto is_alike = [&](const ScaledStack& stack) {
-        if (stack.base != middle.base || stack.media.size() != middle.media.size() ||
+        if (stack.base != middle.base || stack.ground != middle.ground ||
+            stack.media.size() != middle.media.size() ||
             stack.mirror_index != middle.mirror_index ||
             stack.ground_index != middle.ground_index || stack.top_index != middle.top_index ||
             stack.boundary != middle.boundary)

@@ -55,7 +55,7 @@ void FirstOrder::find_weights(double mu_in, double mu_out, std::vector<PhaseWeig
 
 double FirstOrder::reflection(double mu_in, double mu_out, double cos_azimuth) const {
     const std::vector<PhaseWeights> list = weights(mu_in, mu_out);
-    double sum = 0.0;
+    double sum = ground_reflection(*stack_, mu_in, mu_out, cos_azimuth);
     for (std::size_t k = 0; k < list.size(); ++k) {
         const auto& [in, out, back, forward] = list[k];
         const ScatteringAngles angles(in, out);
@@ -67,9 +67,11 @@ double FirstOrder::reflection(double mu_in, double mu_out, double cos_azimuth) c
 
 Eigen::Matrix4d FirstOrder::matrix(double mu_in, double mu_out, double azimuth_deg) const {
     std::vector<ScatteringMatrix> back, forward;
-    return scattered_matrix(*this, polarised_ways(*this, mu_in, mu_out),
-                            std::cos(azimuth_deg * (std::numbers::pi / 180.0)), azimuth_deg, back,
-                            forward);
+    const double cosine = std::cos(azimuth_deg * (std::numbers::pi / 180.0));
+    Eigen::Matrix4d M = scattered_matrix(*this, polarised_ways(*this, mu_in, mu_out), cosine,
+                                         azimuth_deg, back, forward);
+    M(0, 0) += ground_reflection(*stack_, mu_in, mu_out, cosine);
+    return M;
 }
 
 void FirstOrder::find_polarised_ratio(
@@ -92,6 +94,15 @@ void FirstOrder::find_polarised_ratio(
         }
         ratio[a] = unpolarised > 0.0 ? polarised / unpolarised : 1.0;
     }
+}
+
+double ground_reflection(const ScaledStack& stack, double mu_in, double mu_out,
+                         double cos_azimuth) {
+    if (!stack.ground) return 0.0;
+    double depth = 0.0;
+    for (const ScaledMedium& medium : stack.media) depth += medium.scaled_optical_depth;
+    const double left = std::exp(-depth * (1.0 / mu_in + 1.0 / mu_out));
+    return left > 0.0 ? left * stack.ground->reflection(mu_in, mu_out, cos_azimuth) : 0.0;
 }
 
 double straight_paths_factor(double n, double mu_in_air, double mu_out_air) {

@@ -108,6 +108,9 @@ class FirstOrder {
     std::vector<Optics> seen_;  ///< empty: the media themselves
 };
 
+/// R of light that a ground of BaseKind::brdf reflects and nothing scatters; 0 of other stacks.
+double ground_reflection(const ScaledStack& stack, double mu_in, double mu_out, double cos_azimuth);
+
 /// A smooth boundary to a medium of index n leaves t(mu_in) t(mu_out) / n^2 of straight light.
 double straight_paths_factor(double index, double mu_in_air, double mu_out_air);
 

@@ -147,6 +147,10 @@ void FirstOrderSum::add_to(std::vector<double>& reflection, const ScaledStack& s
             if (is_polarised_) ways = polarised_ways(first_order, mu_in, mu_out);
             for (std::size_t a = 0; a < azimuths; ++a) {
                 const std::size_t direction = first + a;
+                if (stack.ground) {
+                    reflection[first * c * c + a] +=
+                        ground_reflection(stack, mu_in, mu_out, cos_azimuth_[a]);
+                }
                 double sum = 0.0, change = narrow.empty() ? 0.0 : factor * narrow[direction];
                 for (std::size_t k = 0; k < media; ++k) {
                     const std::size_t at = k * directions + direction;

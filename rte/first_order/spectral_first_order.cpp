@@ -13,6 +13,12 @@ namespace {
 
 bool bends(const ScaledStack& stack) { return stack.refracts() || stack.has_mirrors(); }
 
+void add_ground(const ScaledStack& stack, double mu_in, double mu_out,
+                std::span<const double> cos_azimuth, double* reflection, std::size_t stride) {
+    for (std::size_t a = 0; stack.ground && a < cos_azimuth.size(); ++a)
+        reflection[a * stride] += ground_reflection(stack, mu_in, mu_out, cos_azimuth[a]);
+}
+
 }  // namespace
 
 SpectralFirstOrder::SpectralFirstOrder(std::span<const Wavelength> wavelengths, bool exact,
@@ -163,6 +169,9 @@ void SpectralFirstOrder::evaluate(double mu_in, double mu_out, std::span<const d
                                   std::span<double> reflection, Scratch& scratch) const {
     if (groups_.size() == 1 && !bends(at_wavelength(0).stack())) {
         groups_.front().evaluate_straight(mu_in, mu_out, cos_azimuth, reflection, scratch);
+        for (std::size_t w = 0; w < wavelengths(); ++w)
+            add_ground(at_wavelength(w).stack(), mu_in, mu_out, cos_azimuth, &reflection[w],
+                       wavelengths());
         return;
     }
     const std::size_t count = wavelengths();
@@ -179,7 +188,7 @@ void SpectralFirstOrder::evaluate_alone(std::size_t w, double mu_in, double mu_o
                                         std::span<double> reflection, Scratch& scratch) const {
     if (groups_.size() < wavelengths()) {
         std::vector<double> all(cos_azimuth.size() * wavelengths());
-        groups_.front().evaluate_straight(mu_in, mu_out, cos_azimuth, all, scratch);
+        evaluate(mu_in, mu_out, cos_azimuth, all, scratch);
         for (std::size_t a = 0; a < cos_azimuth.size(); ++a)
             reflection[a] = all[a * wavelengths() + w];
         return;
@@ -196,6 +205,7 @@ void SpectralFirstOrder::evaluate_alone(std::size_t w, double mu_in, double mu_o
         const double factor = straight_paths_factor(stack.top_index, mu_in, mu_out);
         for (double& value : reflection) value *= factor;
     }
+    add_ground(stack, mu_in, mu_out, cos_azimuth, reflection.data(), 1);
     if (!groups_[w].shares) return;
     // Boundaries and mirrors polarise, which changes how much is scattered and leaves.
     std::vector<double> ratio(cos_azimuth.size());

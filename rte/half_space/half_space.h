@@ -4,8 +4,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include <miebrdf/solver.h>
+#include <miebrdf/surface.h>
 #include "rte/math/matrices.h"
 
 namespace miebrdf::rte {
@@ -75,6 +77,26 @@ Eigen::MatrixXd reflected_moments(const Eigen::Ref<const Eigen::VectorXd>& mu,
 /// order 0 only, zero for any other.
 void lambertian_ground(double albedo, const FourierMode& mode, const ZenithGrid& grid,
                        const RequestedDirections& requested, Reflector& ground);
+
+/// The Fourier orders of a ground's BRDF, found once for nodes and cosines.
+class GroundOrders {
+  public:
+    /// Reflection by a ground; unpolarised light leaves it. Light that nothing else scatters is
+    /// left out of `multiple` (ground_reflection).
+    /// @param nodes, cosines  each once, however many rows they have
+    /// @param orders          that are needed at most
+    void fill(const GroundBrdf& ground, const FourierMode& mode, const ZenithGrid& nodes,
+              const RequestedDirections& cosines, int orders, const ZenithGrid& grid,
+              const RequestedDirections& requested, Reflector& reflector);
+
+  private:
+    void find(int first, int orders);
+
+    GroundBrdf ground_;
+    Eigen::VectorXd nodes_, cosines_;
+    int first_ = 0;                        ///< order of the first matrix
+    std::vector<Eigen::MatrixXd> orders_;  ///< R^m: rows nodes, then cosines; columns nodes
+};
 
 /// Reflection by a smooth mirror of reflectance s: sent to where it came from and nowhere else.
 /// @param at_nodes, at_requested  s, in [0, 1]

@@ -205,6 +205,11 @@ void validate(const Stack& stack) {
     if (!(stack.ground_albedo >= 0.0 && stack.ground_albedo <= 1.0)) {
         throw UsageError("ground_albedo", stack.ground_albedo, "[0, 1]");
     }
+    if (stack.base_kind == BaseKind::brdf) {
+        validate(stack.ground);
+        if (stack.boundary)
+            throw UsageError("a ground by its BRDF lies in air; leave out the boundary");
+    }
     for (const Coat& coat : stack.coats) {
         validate(coat.optics);
         if (!(coat.optical_depth >= 0.0)) {

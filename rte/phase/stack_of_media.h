@@ -17,6 +17,7 @@ struct ScaledStack {
     std::vector<ScaledMedium> media;  ///< from the bottom up; media[0] is the half-space, if any
     BaseKind base = BaseKind::half_space;
     double ground_albedo = 0.0;
+    std::optional<GroundBrdf> ground = {};  ///< of BaseKind::brdf
     std::complex<double> mirror_index = 1.0;
     /// The indices of what lies on the ground or mirror, and of the topmost medium, as far as
     /// boundaries see them: without a boundary the topmost is 1, media have their neighbours'

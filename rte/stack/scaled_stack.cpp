@@ -108,6 +108,8 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wante
         add(coat.optics, coat.optical_depth, coat.index);
     }
     scaled.media.resize(count);
+    scaled.ground.reset();
+    if (scaled.base == BaseKind::brdf) scaled.ground = stack.ground;
     find_indices(stack, scaled);
     if (stack.boundary) remove_layers_without_surfaces(scaled);
     if (scaled.boundary && scaled.boundary->is_rough() && scaled.rough_boundaries == nullptr)

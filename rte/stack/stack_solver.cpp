@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include <miebrdf/error.h>
 #include "rte/boundary/rough_top.h"
 #include "rte/first_order/beams.h"
 #include "rte/math/interruption.h"
@@ -47,6 +48,9 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
       tolerance_(kEquationShare * options.tolerance),
       has_fresnel_(stack.refracts() || stack.has_mirrors()),
       memory_(memory) {
+    if (stack.ground && options.coat_method != CoatMethod::automatic) {
+        throw UsageError("over a ground by its BRDF coats are put by the automatic method alone");
+    }
     memory_.brightness.assign(stack.media.size(), 0.0);
     const bool has_mirrors = stack.has_mirrors();
     const bool is_rough = stack.boundary && stack.boundary->is_rough();

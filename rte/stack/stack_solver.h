@@ -64,6 +64,7 @@ struct StackMemory {
     FourierWork work = {};
     CoupledWork coupled = {};
     LayerOperator layer = {};
+    GroundOrders ground = {};
     /// Two in each medium, by index: what has been solved so far, and what comes next. Sizes differ
     /// from index to index.
     std::vector<std::array<Reflector, 2>> reflectors = {};

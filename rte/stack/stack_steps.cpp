@@ -180,6 +180,9 @@ void StackSolver::solve_ground() {
     reflector_ = &ground;
     if (stack_.base == BaseKind::lambertian) {
         lambertian_ground(stack_.ground_albedo, mode, grid, requested, ground);
+    } else if (stack_.ground) {
+        memory_.ground.fill(*stack_.ground, mode, nodes_of(n), cosines_in(n), stack_.moments, grid,
+                            requested, ground);
     } else if (stack_.base == BaseKind::mirror && is_coupled()) {
         coupled_mirror(n, stack_.mirror_index, nodes_of(n), cosines_in(n), requested, *block_,
                        ground);
@@ -205,7 +208,10 @@ void StackSolver::find_ground_emission(const FourierMode& mode, const ZenithGrid
     mode.keep_intensity(ground.transmittance_at_nodes);
     ground.transmittance_at_requested.setOnes(requested.mu.size());
     mode.keep_intensity(ground.transmittance_at_requested);
-    if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
+    if (stack_.ground) {  // what it does not reflect is absorbed
+        ground.transmittance_at_requested -= ground.rows * ground.transmittance_at_nodes;
+        ground.transmittance_at_nodes -= ground.nodes * ground.transmittance_at_nodes;
+    } else if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
         ground.transmittance_at_nodes -= ground.nodes * ground.transmittance_at_nodes;
         ground.transmittance_at_requested -=
             ground.specular.cwiseProduct(ground.transmittance_at_requested);

@@ -225,3 +225,43 @@ TEST_CASE("plug-ins are found without /proc", "[sweep][program]") {
     CHECK(run.exit_code == 0);
     CHECK(std::filesystem::exists(table));
 }
+
+TEST_CASE("sweeps have reflectance factors and emissivities", "[sweep][program]") {
+    const support::TemporaryFolder folder;
+    const std::string text = R"(outputs = ["hdrf", "emissivity", "plane_albedo", "brdf"]
+derivatives = ["g"]
+diffuse_fraction = 1
+[scene]
+base = "hg:0.9,{g}"
+[axes]
+g = [0.1, 0.4]
+mu_in = [0.5, 0.9]
+mu_out = [0.5, 0.9]
+azimuth_deg = [0]
+wavelength_nm = 11000
+)";
+    const std::string file = folder.write("s.toml", text);
+    support::run_ok("sweep " + file + " -o " + (folder / "t.csv"));
+    const auto table = support::CsvOutput(bytes_of(folder / "t.csv"));
+    REQUIRE(table.size() == 8);
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        CHECK(std::abs(table.number(row, "emissivity") + table.number(row, "plane_albedo") - 1) <=
+              1e-12);
+        CHECK(table.number(row, "emissivity_d_g") == -table.number(row, "plane_albedo_d_g"));
+        // Of a uniform sky the plane albedo of the direction of reflection, at the same tolerance.
+        if (table.number(row, "mu_in") != table.number(row, "mu_out")) continue;
+        CHECK(table.number(row, "hdrf") == Approx(table.number(row, "plane_albedo")).epsilon(1e-9));
+    }
+    const auto refused = [&](const std::string& what, const std::string& with, const char* reason) {
+        std::string bad = text;
+        bad.replace(bad.find(what), what.size(), with);
+        const auto run =
+            run_program("sweep " + folder.write("b.toml", bad) + " -o " + (folder / "b.csv"));
+        CHECK(run.exit_code != 0);
+        CHECK_THAT(run.err, Contains(reason));
+    };
+    refused("diffuse_fraction = 1\n", "", "needs diffuse_fraction");
+    refused("diffuse_fraction = 1\n", "diffuse_fraction = 1.5\n", "0 to 1");
+    refused("base = \"hg:0.9,{g}\"", "substrate = \"none\"\ncoat = \"hg:0.9,{g}@1\"",
+            "no emissivity");
+}

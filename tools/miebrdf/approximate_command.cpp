@@ -13,15 +13,32 @@ struct ApproximateArguments {
     bool acescg = false;
 };
 
+void add_residuals(Table& table, const Deviation& deviation) {
+    for (const RegionDeviation& region : deviation.regions)
+        table.facts.emplace_back(fmt::format("residual ({})", region.name),
+                                 fmt::format("{:.2g} rms, worst {}", region.rms, worst_of(region)));
+}
+
+Table ground_table(const GroundFit& fit, const BrdfSource& source, const std::string& model) {
+    Table table;
+    table.facts = {{"model", model}, {"weights", fit.weights}};
+    add_residuals(table, fit.deviation);
+    table.columns = {"wavelength_nm", "parameter", "value"};
+    for (std::size_t w = 0; w < fit.grounds.size(); ++w) {
+        for (std::size_t p = 0; p < fit.parameters.size(); ++p)
+            table.rows.push_back(
+                {source.wavelength_nm()[w], fit.parameters[p], fit.grounds[w].values[p]});
+    }
+    return table;
+}
+
 Table openpbr_table(const OpenPbrFit& fit) {
     Table table;
     table.facts = {{"model", std::string("OpenPBR 1.1; subsurface_radius in mm")},
                    {"colour_space", fit.colour_space},
                    {"colour", fit.colour},
                    {"weights", fit.weights}};
-    for (const RegionDeviation& region : fit.deviation.regions)
-        table.facts.emplace_back(fmt::format("residual ({})", region.name),
-                                 fmt::format("{:.2g} rms, worst {}", region.rms, worst_of(region)));
+    add_residuals(table, fit.deviation);
     table.columns = {"wavelength_nm", "parameter", "value"};
     for (const OpenPbrParameter& one : openpbr_parameters()) {
         if (one.number != nullptr) {
@@ -39,17 +56,22 @@ Table openpbr_table(const OpenPbrFit& fit) {
 
 void add_approximate(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ApproximateArguments>();
-    command.add_option("--model", arguments->model, "openpbr")
+    command
+        .add_option("--model", arguments->model,
+                    "openpbr (colours); or at each wavelength the numbers of a ground, as in "
+                    "--substrate: rpv, ross-li, hapke, lambert")
         ->required()
-        ->check(CLI::IsMember({"openpbr"}));
+        ->check(CLI::IsMember({"openpbr", "rpv", "ross-li", "hapke", "lambert"}));
     arguments->scene.add_to(command, shell);
     default_to_reciprocal(command);
     command
         .add_option("--rgb", arguments->rgb,
-                    "colours: cie (observer and D65), wavelengths (the nearest to 620, 535, 480 "
+                    "of openpbr, colours: cie (observer and D65), wavelengths (the nearest to 620, "
+                    "535, 480 "
                     "nm), auto: cie where the wavelengths cover the visible")
         ->capture_default_str();
-    command.add_flag("--acescg", arguments->acescg, "colours in ACEScg, not in linear sRGB");
+    command.add_flag("--acescg", arguments->acescg,
+                     "of openpbr: colours in ACEScg, not in linear sRGB");
     shell.add_common_options(command);
     command.footer(
         "Example:\n  miebrdf approximate --model openpbr --base "
@@ -59,11 +81,17 @@ void add_approximate(CLI::App& command, Shell& shell) {
         const Brdf brdf = solved(request, shell.control());
         return [brdf, arguments, &shell] {
             const BrdfTable source = brdf.table({.command_line = shell.command_line()});
-            ExportOptions options;
-            options.rgb = arguments->rgb;
-            options.extra["acescg"] = arguments->acescg ? 1 : 0;
-            options.subsurface = subsurface_of(brdf);
-            shell.write(openpbr_table(fit_openpbr(source, options, shell.control())));
+            const std::string& model = arguments->model;
+            if (model == "openpbr") {
+                ExportOptions options;
+                options.rgb = arguments->rgb;
+                options.extra["acescg"] = arguments->acescg ? 1 : 0;
+                options.subsurface = subsurface_of(brdf);
+                shell.write(openpbr_table(fit_openpbr(source, options, shell.control())));
+            } else {
+                shell.write(
+                    ground_table(fit_ground(source, model, shell.control()), source, model));
+            }
             if (source.report().converged()) return kGood;
             shell.note(source.report().summary());
             return kNotConverged;

@@ -102,35 +102,6 @@ void add_derivative_columns(Table& table, std::size_t first_value,
     add_derivative_fact(table, parameters);
 }
 
-int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
-    const double share = *question.diffuse_fraction;
-    const auto all =
-        question.derivatives.empty()
-            ? WithDerivatives<HdrfValues>{brdf.hdrf(question.directions, share), {}, {}}
-            : hdrf_derivatives(brdf, question.derivatives, question.directions, share);
-    const HdrfValues& values = all.values;
-    for (const std::string& note : values.notes) shell.note("note: " + note);
-    Table table;
-    add_facts(table, values, brdf.scene(),
-              "wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: 0 = mirror "
-              "side, 180 = towards the sun; hdrf: radiance over that of a white Lambertian surface "
-              "in the same light");
-    table.facts.emplace_back("diffuse_fraction", values.diffuse_fraction);
-    table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "hdrf"};
-    add_derivative_columns(table, 4, all.parameters);
-    const std::size_t directions = count_of(values.directions);
-    table.more_rows = {values.wavelengths.size() * directions,
-                       [&values, &all, directions](std::size_t i, std::vector<Cell>& row) {
-                           const std::size_t w = i / directions, index = i % directions;
-                           start_row(row, values.wavelengths[w].wavelength_nm, values.directions,
-                                     index);
-                           row.emplace_back(values.hdrf[w][index]);
-                           for (const HdrfValues& derivative : all.derivatives)
-                               row.emplace_back(derivative.hdrf[w][index]);
-                       }};
-    return shell.write(std::move(table), values.converged());
-}
-
 /// Adds the cells of derivatives to the last row.
 void add_colour_derivatives(const ColourColumns& colours, Table& table,
                             const std::vector<double>& spectrum,
@@ -163,11 +134,56 @@ int write_brdf_colours(const Brdf& brdf, const BrdfQuestion& question,
         ++index;
     });
     add_facts(table, values, brdf.scene(),
-              "mu: cosine from the normal; azimuth_deg: 0 = mirror side; colours of pi times the "
-              "BRDF (reflectance factor); " +
+              std::string("mu: cosine from the normal; azimuth_deg: 0 = mirror side; colours of ") +
+                  (question.diffuse_fraction ? "the hdrf; "
+                                             : "pi times the BRDF (reflectance factor); ") +
                   colours.units());
     colours.add_facts(table);
     add_derivative_fact(table, all.parameters);
+    return shell.write(std::move(table), values.converged());
+}
+
+/// Reflectance factors as pi times a BRDF.
+WithDerivatives<BrdfValues> factors_of(const HdrfValues& values) {
+    WithDerivatives<BrdfValues> all;
+    static_cast<ResultReport&>(all.values) = values;
+    all.values.directions = values.directions;
+    for (std::vector<double> factors : values.hdrf) {
+        for (double& factor : factors) factor /= std::numbers::pi;
+        all.values.slices.emplace_back().total = std::move(factors);
+    }
+    return all;
+}
+
+int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
+    const double share = *question.diffuse_fraction;
+    const auto all =
+        question.derivatives.empty()
+            ? WithDerivatives<HdrfValues>{brdf.hdrf(question.directions, share, question.sky),
+                                          {},
+                                          {}}
+            : hdrf_derivatives(brdf, question.derivatives, question.directions, share);
+    const HdrfValues& values = all.values;
+    for (const std::string& note : values.notes) shell.note("note: " + note);
+    if (question.viewing) return write_brdf_colours(brdf, question, factors_of(values), shell);
+    Table table;
+    add_facts(table, values, brdf.scene(),
+              "wavelength_nm: nm in vacuum; mu: cosine from the normal; azimuth_deg: 0 = mirror "
+              "side, 180 = towards the sun; hdrf: radiance over that of a white Lambertian surface "
+              "in the same light");
+    table.facts.emplace_back("diffuse_fraction", values.diffuse_fraction);
+    table.columns = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg", "hdrf"};
+    add_derivative_columns(table, 4, all.parameters);
+    const std::size_t directions = count_of(values.directions);
+    table.more_rows = {values.wavelengths.size() * directions,
+                       [&values, &all, directions](std::size_t i, std::vector<Cell>& row) {
+                           const std::size_t w = i / directions, index = i % directions;
+                           start_row(row, values.wavelengths[w].wavelength_nm, values.directions,
+                                     index);
+                           row.emplace_back(values.hdrf[w][index]);
+                           for (const HdrfValues& derivative : all.derivatives)
+                               row.emplace_back(derivative.hdrf[w][index]);
+                       }};
     return shell.write(std::move(table), values.converged());
 }
 

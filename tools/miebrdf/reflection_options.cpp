@@ -131,6 +131,13 @@ void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
            "brdf (1/sr), reflection (pi times it) or hdrf (hemispherical-directional reflectance "
            "factor, of sun and sky together)");
     add_diffuse_fraction(command, diffuse_fraction_, "belongs to --quantity hdrf");
+    command
+        .add_option("--sky", sky_,
+                    "of --quantity hdrf, where the share comes from: uniform, cie-clear, "
+                    "cie-overcast, or a CSV file zenith_deg,azimuth_deg,radiance (azimuth from the "
+                    "sun), perhaps with wavelength_nm")
+        ->type_name("SKY")
+        ->capture_default_str();
     add_derivatives(command, derivatives_);
     colour_.add_to(command);
 }
@@ -160,15 +167,20 @@ BrdfQuestion BrdfArguments::parse() const {
             "--quantity hdrf and --diffuse-fraction belong together, e.g. --quantity hdrf "
             "--diffuse-fraction 0.2");
     }
-    if (question.viewing && (question.columns.size() != 1 || question.diffuse_fraction)) {
-        throw UsageError(
-            "--colour is that of one component's reflection; leave out --quantity hdrf and give "
-            "one --component");
-    }
+    if (question.viewing && question.columns.size() != 1)
+        throw UsageError("--colour is that of one component's reflection; give one --component");
+    question.sky = sky(sky_);
+    if (question.sky.kind != Sky::Kind::uniform && !question.diffuse_fraction)
+        throw UsageError("--sky belongs to --quantity hdrf --diffuse-fraction F");
     if (question.diffuse_fraction && question.columns != std::vector{BrdfPart::total})
         throw UsageError("--quantity hdrf is that of the whole; leave out --component");
     const bool has_matrix = question.request.solver.stokes > 1;
-    question.derivatives = parse_derivatives(derivatives_, has_matrix ? "--stokes" : "");
+    const bool has_sky = question.sky.kind != Sky::Kind::uniform;
+    question.derivatives = parse_derivatives(
+        derivatives_, has_matrix ? "--stokes"
+                      : has_sky  ? "a --sky that is not uniform"
+                      : question.viewing && question.diffuse_fraction ? "--colour of the hdrf"
+                                                                      : "");
     return question;
 }
 

@@ -40,6 +40,7 @@ struct BrdfQuestion {
     bool as_reflection = false;     ///< pi times the BRDF
     /// The sky's share, for the reflectance factor (HDRF) that takes the BRDF's place.
     std::optional<double> diffuse_fraction;
+    Sky sky;                               ///< of that share
     std::optional<Viewing> viewing;        ///< of the colours that take the place of spectra
     std::string reference;                 ///< file to compare colours with; empty: none
     std::vector<std::string> derivatives;  ///< numbers of the scene; empty: none
@@ -59,6 +60,7 @@ class BrdfArguments {
     std::string components_ = "total";
     std::string quantity_ = "brdf";
     std::string diffuse_fraction_;
+    std::string sky_ = "uniform";
     std::string derivatives_;
     ColourArguments colour_;
 };

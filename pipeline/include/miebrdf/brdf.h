@@ -284,6 +284,33 @@ class BrdfDerivatives {
 
 struct BrdfState;  // private
 
+/// Where the diffuse light comes from. Radiances are relative: only their shape counts.
+struct Sky {
+    enum class Kind {
+        uniform,
+        cie_clear,     ///< CIE S 003 (1996): brighter around the sun and to the horizon
+        cie_overcast,  ///< CIE S 003 (1996): (1 + 2 mu) / 3, whatever the sun does
+        table,
+    };
+    Kind kind = Kind::uniform;
+    // Of a table, ascending each; linear between them, beyond their ends the last value.
+    std::vector<double> wavelength_nm = {};  ///< empty: the same at all wavelengths
+    std::vector<double> zenith_deg = {};     ///< in [0, 90]
+    std::vector<double> azimuth_deg = {};    ///< from the sun, in [0, 360]; up to 180: symmetric
+    std::vector<double> values = {};  ///< [(wavelength * zeniths + zenith) * azimuths + azimuth]
+    std::string file = {};            ///< where the table comes from, for messages
+
+    /// @param mu             of the point of the sky, in (0, 1]
+    /// @param from_sun_deg   its azimuth, 0 = the sun's
+    /// @throws InputError  for a wavelength that a table does not cover
+    double radiance(double mu, double from_sun_deg, double mu_sun, double at_nm) const;
+};
+
+/// Reads `uniform`, `cie-clear`, `cie-overcast` or `FILE.csv` with the columns
+/// zenith_deg,azimuth_deg,radiance and perhaps wavelength_nm: every combination once.
+/// @throws UsageError, InputError
+Sky sky(const std::string& text);
+
 /// A scene at some wavelengths. Copies share one solution; functions may be called from several
 /// threads. Single scattering is computed when it is first needed, as much of it as is needed, and
 /// kept.
@@ -312,6 +339,11 @@ class Brdf {
     /// @throws UsageError  for directions out of range, diffuse_fraction outside [0, 1], and
     ///         diffuse light on a surface whose coupling is not reciprocal
     HdrfValues hdrf(const Directions& directions, double diffuse_fraction) const;
+    /// Under a sky that is not uniform: the diffuse part is the integral of pi f L mu over the sky
+    /// over that of L mu, by Gauss nodes in cosine and azimuth (error_estimate has the difference
+    /// from half as many). BRDFs are exact at each node.
+    /// @throws UsageError  likewise, and InputError for wavelengths that a table does not cover
+    HdrfValues hdrf(const Directions& directions, double diffuse_fraction, const Sky& sky) const;
 
     /// Single scattering by every layer at every wavelength, from the lowest up; nothing of
     /// radiative transfer.

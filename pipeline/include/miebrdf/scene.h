@@ -270,6 +270,7 @@ struct Substrate {
         lambertian,  ///< a share of the flux, alike in all directions
         none,        ///< a free film: what passes it is gone; a Boundary is on both its sides
         mirror,      ///< a smooth surface of a metal or another refractive index
+        brdf,        ///< a natural ground in air: `brdf`
     };
     Kind kind = Kind::black;
     /// The albedo of a Lambertian ground, in [0, 1]: one for all wavelengths, or a table over
@@ -278,12 +279,14 @@ struct Substrate {
     std::vector<double> wavelength_nm = {};  ///< ascending; linear between them
     std::string file = {};                   ///< where the table comes from, for messages
     Host mirror = {};                        ///< what a mirror is made of
+    rte::GroundBrdf brdf = {};               ///< the same at all wavelengths
 
     bool operator==(const Substrate&) const = default;
 };
 
 /// Reads `black`, `none`, `lambert:ALBEDO`, `lambert:FILE` (CSV wavelength_nm,albedo),
-/// `mirror:NAME` or `mirror:index:N,K`.
+/// `mirror:NAME`, `mirror:index:N,K`, `rpv:RHO0,K,THETA[,RHOC]`, `ross-li:ISO,VOL,GEO` or
+/// `hapke:W,B,C,B0,H,THETABAR` (degrees).
 /// @throws UsageError, InputError
 Substrate substrate(const std::string& text);
 /// In the notation of substrate().

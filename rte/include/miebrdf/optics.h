@@ -115,6 +115,7 @@ enum class BaseKind {
     lambertian,  ///< a ground that reflects `ground_albedo` of the flux alike in all directions
     none,        ///< nothing: black
     mirror,      ///< a smooth surface of `mirror_index`; what passes it is gone
+    brdf,        ///< a ground that reflects by `ground`, in air
 };
 
 /// A base and its coats in painting order: the last one is on top.
@@ -123,6 +124,7 @@ struct Stack {
     std::vector<Coat> coats = {};
     BaseKind base_kind = BaseKind::half_space;
     double ground_albedo = 0.0;  ///< in [0, 1], of the Lambertian ground
+    GroundBrdf ground = {};      ///< of BaseKind::brdf; unpolarised light leaves it
     /// n + ik of the mirror: of a metal, or 1 for the lower side of a free film.
     std::complex<double> mirror_index = 1.0;
     /// Index as Coat::index: of the half-space, or of what lies on the ground where there is no

@@ -2,10 +2,12 @@
 // Symbols, signs and normalisation: docs/conventions.md; derivations: docs/maths-surface.md.
 #pragma once
 
+#include <array>
 #include <complex>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <miebrdf/language.h>
 
@@ -181,6 +183,51 @@ class SurfaceTransmission {
     SurfaceCoupling coupling_;
     double mean_transmittance_ = 1.0;
 };
+
+/// A parameter of a ground's BRDF, and its range.
+struct GroundParameter {
+    const char* name;
+    double low, high;
+};
+
+struct GroundModel {
+    const char* name;
+    std::span<const GroundParameter> parameters;
+    std::size_t needed;  ///< so many are given at least; rhoc is rho0 where it is not
+};
+
+/// In the order of GroundBrdf::Kind.
+std::span<const GroundModel> ground_models();
+
+/// The BRDF of a natural ground by a closed form of few parameters, reciprocal:
+/// `rpv` rho0, k, theta, rhoc (Rahman, Pinty & Verstraete 1993; theta < 0 scatters backwards);
+/// `ross_li` weights of the constant, Ross-thick and reciprocal Li-sparse kernels of MODIS (Lucht,
+/// Schaaf & Strahler 2000); `hapke` w, b, c, b0, h, thetabar in degrees (Hapke 2012: two
+/// Henyey-Greenstein lobes of asymmetry b, (1 + c) / 2 of them backwards, shadow-hiding surge of
+/// height b0 and width h, macroscopic roughness). Nothing keeps their energy: see energy_of.
+struct GroundBrdf {
+    enum class Kind { rpv, ross_li, hapke };
+    Kind kind = Kind::rpv;
+    std::array<double, 6> values = {};  ///< in the order of the model's parameters
+
+    bool operator==(const GroundBrdf&) const = default;
+    const GroundModel& model() const;
+    /// R = pi BRDF; a white Lambertian surface has 1.
+    /// @param mu_in, mu_out  in (0, 1]
+    /// @param cos_azimuth    1 = mirror side, -1 = back towards the source
+    double reflection(double mu_in, double mu_out, double cos_azimuth) const;
+};
+
+/// @throws UsageError  naming the parameter that is out of range
+void validate(const GroundBrdf& ground);
+
+/// What a ground returns, by 16 cosines: some per cent.
+struct GroundEnergy {
+    double spherical_albedo = 0.0;
+    double above_one_below_mu = 0.0;  ///< the plane albedo is above 1 at this mu_in; 0: nowhere
+    bool is_negative = false;         ///< R is, somewhere
+};
+GroundEnergy energy_of(const GroundBrdf& ground);
 
 }  // namespace miebrdf::rte
 #pragma GCC visibility pop

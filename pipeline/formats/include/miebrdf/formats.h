@@ -24,6 +24,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/language.h>
 #include <miebrdf/solver.h>
+#include <miebrdf/surface.h>
 
 #pragma GCC visibility push(default)
 namespace miebrdf {
@@ -429,6 +430,21 @@ struct FileComparison {
 /// @throws UsageError  when the channels do not fit
 FileComparison compare_file(const BrdfFile& file, const BrdfSource& truth,
                             const std::string& rgb = "auto");
+
+/// The ground of one model that comes nearest to a BRDF.
+struct GroundFit {
+    std::vector<std::string> parameters;  ///< those that were fitted, the first of `grounds`
+    std::vector<rte::GroundBrdf>
+        grounds;          ///< of each channel; Lambert's as ross_li without kernels
+    std::string weights;  ///< of the directions, in words
+    Deviation deviation;  ///< by region
+};
+
+/// Least squares of relative errors at directions with cosines above 0.2, channel by channel.
+/// @param model  "rpv" (rhoc is rho0), "ross-li", "hapke", "lambert"
+/// @throws UsageError  for another model; Cancelled
+GroundFit fit_ground(const BrdfSource& source, const std::string& model,
+                     const Control& control = {});
 
 }  // namespace miebrdf
 #pragma GCC visibility pop
