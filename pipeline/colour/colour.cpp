@@ -21,23 +21,21 @@ Eigen::Vector3d vector_of(const Xyz& c) { return {c.x, c.y, c.z}; }
 /// x, y to X, Y, Z with Y = 1.
 Eigen::Vector3d from_chromaticity(double x, double y) { return {x / y, 1.0, (1.0 - x - y) / y}; }
 
-const Eigen::Vector3d& srgb_white() {
-    static const Eigen::Vector3d white = from_chromaticity(0.3127, 0.3290);
-    return white;
-}
+/// A space of linear red, green and blue: its white, and XYZ to RGB from its primaries, so that red
+/// + green + blue is the white to rounding, which printed four-digit matrices are not.
+struct RgbSpace {
+    Eigen::Vector3d white;
+    Eigen::Matrix3d from_xyz;
 
-/// XYZ to linear sRGB from its primaries and white (IEC 61966-2-1, table 1): red + green + blue is
-/// the white to rounding, which the printed four-digit matrix is not.
-const Eigen::Matrix3d& xyz_to_srgb() {
-    static const Eigen::Matrix3d matrix = [] {
+    RgbSpace(const Eigen::Vector3d& red, const Eigen::Vector3d& green, const Eigen::Vector3d& blue,
+             const Eigen::Vector3d& white_point)
+        : white(white_point) {
         Eigen::Matrix3d primaries;
-        primaries << from_chromaticity(0.64, 0.33), from_chromaticity(0.30, 0.60),
-            from_chromaticity(0.15, 0.06);
-        const Eigen::Vector3d luminances = primaries.inverse() * srgb_white();
-        return Eigen::Matrix3d((primaries * luminances.asDiagonal()).inverse());
-    }();
-    return matrix;
-}
+        primaries << red, green, blue;
+        const Eigen::Vector3d luminances = primaries.inverse() * white;
+        from_xyz = (primaries * luminances.asDiagonal()).inverse();
+    }
+};
 
 /// Lam 1985: cone-like responses in which adaptation is a scaling.
 const Eigen::Matrix3d& bradford() {
@@ -182,12 +180,30 @@ Lab to_lab(const Xyz& xyz, const Viewing& viewing) {
     return lab;
 }
 
-LinearSrgb to_linear_srgb(const Xyz& xyz, const Viewing& viewing) {
+namespace {
+
+/// The colour adapted from the illuminant to the white of the space.
+Eigen::Vector3d adapted(const Xyz& xyz, const Viewing& viewing, const RgbSpace& space) {
     const Eigen::Vector3d from = bradford() * vector_of(white_point(viewing));
-    const Eigen::Vector3d to = bradford() * srgb_white();
+    const Eigen::Vector3d to = bradford() * space.white;
     const Eigen::Vector3d cones =
         (bradford() * vector_of(xyz)).cwiseProduct(to.cwiseQuotient(from));
-    const Eigen::Vector3d rgb = xyz_to_srgb() * (bradford().inverse() * cones);
+    return space.from_xyz * (bradford().inverse() * cones);
+}
+
+}  // namespace
+
+LinearSrgb to_linear_srgb(const Xyz& xyz, const Viewing& viewing) {
+    static const RgbSpace srgb(from_chromaticity(0.64, 0.33), from_chromaticity(0.30, 0.60),
+                               from_chromaticity(0.15, 0.06), from_chromaticity(0.3127, 0.3290));
+    const Eigen::Vector3d rgb = adapted(xyz, viewing, srgb);
+    return {rgb[0], rgb[1], rgb[2]};
+}
+
+std::array<double, 3> to_acescg(const Xyz& xyz, const Viewing& viewing) {
+    static const RgbSpace ap1(from_chromaticity(0.713, 0.293), from_chromaticity(0.165, 0.830),
+                              from_chromaticity(0.128, 0.044), from_chromaticity(0.32168, 0.33767));
+    const Eigen::Vector3d rgb = adapted(xyz, viewing, ap1);
     return {rgb[0], rgb[1], rgb[2]};
 }
 

@@ -152,7 +152,7 @@ void check(const Scene& scene, const std::vector<double>& wavelength_nm,
             "more, e.g. every 10 nm from 400 to 700");
     }
     const double ratio = options.hiding_contrast_ratio;
-    if (!(ratio > 0.0 && ratio < 1.0)) throw UsageError("hiding_contrast_ratio", ratio, "(0, 1)");
+    if (!(ratio >= 0.0 && ratio < 1.0)) throw UsageError("hiding_contrast_ratio", ratio, "[0, 1)");
     if (!(mean_albedo(options.light) > mean_albedo(options.dark))) {
         throw UsageError(fmt::format(
             "grounds of a drawdown: {} is not lighter than {}; the dark one comes first, e.g. "
@@ -181,7 +181,7 @@ Drawdown draw_down(const Scene& scene, const std::vector<double>& wavelength_nm,
         hiding.y_over_dark = dark[i];
         hiding.y_over_light = light[i];
         hiding.contrast_ratio = dark[i] / light[i];
-        hiding.relative_depth = film.hiding_scale(i);
+        if (options.hiding_contrast_ratio > 0.0) hiding.relative_depth = film.hiding_scale(i);
         if (!thickness || !hiding.relative_depth) continue;
         hiding.thickness_um = *thickness * *hiding.relative_depth;
         hiding.spreading_rate_m2_per_l = 1000.0 / *hiding.thickness_um;

@@ -186,8 +186,9 @@ std::string label_of(const Scene& scene) {
     std::string text;
     for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend(); ++layer)
         text += fmt::format("{} ({}) on ", label_of(layer->medium), label_of(layer->depth));
-    text += bottom_text(scene);
-    const std::string top = top_text(scene);
+    const std::string bottom = bottom_text(scene), top = top_text(scene);
+    if (bottom.empty()) text.resize(text.size() - std::min<std::size_t>(text.size(), 4));  // " on "
+    text += bottom;
     return top.empty() ? text : text + ", " + top;
 }
 

@@ -90,6 +90,35 @@ class SceneFile {
         return all;
     }
 
+    std::vector<NamedScene> named_scenes() const {
+        check_shared_keys(root_);
+        const Tables tables = scenes();
+        std::vector<std::pair<std::string, const toml::table*>> in_order(tables.begin(),
+                                                                         tables.end());
+        std::sort(in_order.begin(), in_order.end(), [](const auto& a, const auto& b) {
+            return a.second->source().begin.line < b.second->source().begin.line;
+        });
+        std::vector<NamedScene> all;
+        for (const auto& [name, scene] : in_order) {
+            check_shared_keys(*scene);
+            NamedScene& named = all.emplace_back(NamedScene{name, {}});
+            Nodes words;
+            for (const toml::table* table : {&root_, scene}) {
+                for (const auto& [key, node] : *table) words[std::string(key.str())] = &node;
+            }
+            for (const auto& [key, node] : words) {
+                const SceneWord* word = find_scene_word(key);
+                if (word == nullptr) continue;  // of commands
+                const std::vector<WordValue> values = values_of(key, *node, word->kind);
+                if (!values.empty()) set(key, values, *node, "scene " + name, named.request);
+            }
+        }
+        if (!all.empty()) return all;
+        for (const SceneFileResult& result : results())
+            all.push_back({fmt::format("result {}", all.size() + 1), result.request});
+        return all;
+    }
+
   private:
     std::string located(const toml::source_region& where, const std::string& reason) const {
         return fmt::format("scene file '{}', line {}, column {}: {}", path_, where.begin.line,
@@ -290,6 +319,11 @@ class SceneFile {
 std::vector<SceneFileResult> read_scene_file(const std::string& path,
                                              std::span<const SceneFileCommand> commands) {
     return SceneFile(path, commands).results();
+}
+
+std::vector<NamedScene> read_named_scenes(const std::string& path,
+                                          std::span<const SceneFileCommand> commands) {
+    return SceneFile(path, commands).named_scenes();
 }
 
 }  // namespace miebrdf

@@ -56,4 +56,15 @@ struct SceneFileResult {
 std::vector<SceneFileResult> read_scene_file(const std::string& path,
                                              std::span<const SceneFileCommand> commands);
 
+/// A scene of a file by its name.
+struct NamedScene {
+    std::string name;
+    Request request;
+};
+/// The scenes that a file names, [scene.NAME], in its order, whatever results it asks for; those of
+/// its results, "result 1" and so on, where it names none.
+/// @throws UsageError, InputError  as read_scene_file
+std::vector<NamedScene> read_named_scenes(const std::string& path,
+                                          std::span<const SceneFileCommand> commands);
+
 }  // namespace miebrdf

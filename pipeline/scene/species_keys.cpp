@@ -180,6 +180,13 @@ std::string nearest_key(const std::string& name) {
 }
 
 [[noreturn]] void refuse_key(const std::string& key, const std::string& text) {
+    if (key == "pvc" || key == "cpvc") {
+        throw UsageError(fmt::format(
+            "medium '{}': write the pigment volume concentration as the pigment's share "
+            "of the dry film, TiO2,radius=0.13,volume=40% in PMMA; beyond the critical "
+            "one (cpvc) the film has pores: ' + index:1,radius=0.1,volume=10%'",
+            text));
+    }
     const std::string nearest = nearest_key(key);
     throw UsageError(fmt::format(
         "medium '{}': unknown key '{}'; allowed: {}{}", text, key, fmt::join(key_names(), ", "),

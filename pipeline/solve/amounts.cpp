@@ -54,7 +54,8 @@ void set_by_mass(ResolvedMedium& medium, std::optional<double> layer_density_kg_
     double layer_density = 0.0;  // g/cm3
     if (layer_density_kg_m3) {
         layer_density = *layer_density_kg_m3 / kKgPerM3;
-    } else if (is_whole && std::all_of(medium.species.begin(), medium.species.end(), fills_layer)) {
+    } else if (is_whole && std::any_of(medium.species.begin(), medium.species.end(), fills_layer)) {
+        // Particles in a paste leave no gaps; particles alone, as of snow, do.
         layer_density = 1.0 / volume_per_mass;
     } else if (!is_whole && host_density_g_cm3) {
         layer_density = 1.0 / (volume_per_mass + (1.0 - sum) / *host_density_g_cm3);

@@ -77,6 +77,28 @@ void note_missing_boundary(const Scene& scene, Resolver& resolver) {
         describe(host)));
 }
 
+/// The acrylic paints of the embedded set have the scattering of their white as the unit of length.
+void note_relative_pastes(const Scene& scene, Resolver& resolver) {
+    const auto is_relative = [](const Species& species) {
+        return species.kind == Species::Kind::paste && species.name.starts_with("acrylic_") &&
+               species.name.find_first_of("./\\") == std::string::npos;
+    };
+    const auto look_at = [&](const Medium& medium, bool has_length) {
+        const auto count = std::count_if(medium.species.begin(), medium.species.end(), is_relative);
+        if (count == 0 || (!has_length && count == std::ptrdiff_t(medium.species.size()))) return;
+        resolver.add_note(
+            fmt::format("{}: the acrylic pastes are known by the ratio of absorption and "
+                        "scattering alone (unit: "
+                        "the scattering of their white per mm); thicknesses of them, and mixtures "
+                        "with anything "
+                        "but each other, have no absolute meaning",
+                        describe(medium)));
+    };
+    if (!scene.substrate) look_at(scene.base, false);
+    for (const Layer& layer : scene.layers)
+        look_at(layer.medium, layer.depth.kind == Depth::Kind::thickness_um);
+}
+
 /// The host directly under the air: without layers it fills a film of varnish.
 const Host& top_host(const Scene& scene) {
     const bool is_bare_ground = scene.layers.empty() && scene.substrate;
@@ -112,6 +134,7 @@ void smooth_out_air(const Scene& scene, Resolver& resolver, ResolvedScene& resol
 void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& resolved) {
     resolved.boundary = scene.boundary;
     note_missing_boundary(scene, resolver);
+    note_relative_pastes(scene, resolver);
     if (!resolved.has_optical_steps()) return;
     resolved.scene_host_index = resolver.real_index(scene.particles.host, resolved.wavelength_nm);
     if (has_mirror(scene)) {

@@ -36,12 +36,15 @@ class LayoutBuilder {
     Layout layout_;
 };
 
-void add_colours(LayoutBuilder& builder, const Sweep& sweep) {
+void add_of_spectra(LayoutBuilder& builder, const Sweep& sweep, Output output) {
     const bool plane = sweep.incidence.size() > 0;
     const std::vector<const Axis*> axes =
         plane ? std::vector<const Axis*>{&sweep.incidence} : std::vector<const Axis*>{};
     const std::string of = std::string(" of the ") + (plane ? "plane" : "spherical") + " albedo, " +
                            describe(sweep.viewing);
+    if (output == Output::contrast_ratio)
+        return builder.add("contrast_ratio", "Y over black by Y over a white of 0.8," + of, "1",
+                           axes);
     for (const char* name : {"X", "Y", "Z"})
         builder.add(name, std::string("tristimulus value ") + name + of, "1", axes);
     for (const char* name : {"L_star", "a_star", "b_star"})
@@ -102,7 +105,8 @@ Layout layout_of(const Sweep& sweep) {
                     {w});
                 break;
             case Output::colour:
-                add_colours(builder, sweep);
+            case Output::contrast_ratio:
+                add_of_spectra(builder, sweep, output);
                 break;
             case Output::hdrf:
                 add("hdrf", "hemispherical-directional reflectance factor under sun and sky", "1",
@@ -132,7 +136,10 @@ std::vector<const Axis*> asked_axes(const Sweep& sweep) {
         if (axis->size() > 0) axes.push_back(axis);
     }
     // A colour takes all wavelengths together.
-    if (sweep.outputs == std::vector{Output::colour}) axes.erase(axes.begin());
+    if (std::all_of(sweep.outputs.begin(), sweep.outputs.end(), [](Output output) {
+            return output == Output::colour || output == Output::contrast_ratio;
+        }))
+        axes.erase(axes.begin());
     return axes;
 }
 

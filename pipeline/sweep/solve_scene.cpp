@@ -134,6 +134,24 @@ void add_colours(const AlbedoValues& values, const Viewing& viewing, Record& rec
     }
 }
 
+/// A scene without a film hides what lies below it.
+void add_contrast_ratios(const Request& request, const Sweep& sweep, const Control& control,
+                         Record& record) {
+    const std::vector<double> mu_in = sweep.directions().mu_in;
+    const std::size_t count = std::max<std::size_t>(mu_in.size(), 1);
+    if (!request.scene.substrate) {
+        for (std::size_t i = 0; i < count; ++i) record.set_of_spectrum("contrast_ratio", i, 1.0);
+        return;
+    }
+    const Drawdown film = draw_down(request.scene, sweep.wavelength.numbers, mu_in,
+                                    {.hiding_contrast_ratio = 0.0, .viewing = sweep.viewing},
+                                    request.solver, control);
+    for (std::size_t i = 0; i < count; ++i)
+        record.set_of_spectrum("contrast_ratio", i, film.hiding[i].contrast_ratio);
+    record.add(film.over_dark);
+    record.add(film.over_light);
+}
+
 /// @param all    1; of derivatives 0
 /// @param spell  the variable's name
 template <typename Spell>
@@ -223,6 +241,8 @@ SceneResult solve_scene(const Sweep& sweep, const Layout& layout, std::size_t sc
             if (sweep.wants(Output::hdrf)) add_hdrf(brdf, part, record);
             if (sweep.wants(Output::mueller)) add_mueller(brdf, sweep.directions(), layout, record);
             if (sweep.wants_albedos()) add_albedos(brdf, part, record);
+            if (sweep.wants(Output::contrast_ratio) && part.is_whole)
+                add_contrast_ratios(request, sweep, control, record);
         };
         use_wavelengths(
             found.wavelengths,

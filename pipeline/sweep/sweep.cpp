@@ -149,6 +149,8 @@ const char* name_of(Output output) {
             return "spherical_transmittance";
         case Output::colour:
             return "colour";
+        case Output::contrast_ratio:
+            return "contrast_ratio";
         case Output::mueller:
             return "mueller";
         case Output::hdrf:

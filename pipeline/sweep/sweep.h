@@ -58,9 +58,10 @@ enum class Output {
     plane_transmittance,
     spherical_transmittance,
     colour,
-    mueller,     ///< m11, m12, ...: 3 x 3, with `stokes = 4` of the first scene 4 x 4
-    hdrf,        ///< under sun and sky: Sweep::diffuse_fraction
-    emissivity,  ///< towards each mu_in, 1 - plane albedo (Kirchhoff)
+    contrast_ratio,  ///< of a film: Y over black by Y over a white of 0.8
+    mueller,         ///< m11, m12, ...: 3 x 3, with `stokes = 4` of the first scene 4 x 4
+    hdrf,            ///< under sun and sky: Sweep::diffuse_fraction
+    emissivity,      ///< towards each mu_in, 1 - plane albedo (Kirchhoff)
 };
 
 struct Sweep {
@@ -91,6 +92,8 @@ struct Sweep {
     bool wants_matrices_or_brdf() const {
         return wants(Output::brdf) || wants(Output::mueller) || wants(Output::hdrf);
     }
+    /// Anything that takes all wavelengths together.
+    bool wants_spectra() const { return wants(Output::colour) || wants(Output::contrast_ratio); }
     /// Anything that Fourier order 0 has.
     bool wants_albedos() const;
     /// Null if there is none of this name.

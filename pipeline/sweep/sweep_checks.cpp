@@ -25,6 +25,7 @@ constexpr std::array kOutputs = {Output::brdf,
                                  Output::plane_transmittance,
                                  Output::spherical_transmittance,
                                  Output::colour,
+                                 Output::contrast_ratio,
                                  Output::mueller,
                                  Output::hdrf,
                                  Output::emissivity};
@@ -38,6 +39,7 @@ const std::set<std::string> kReserved = {"brdf",
                                          "colour",
                                          "hdrf",
                                          "emissivity",
+                                         "contrast_ratio",
                                          "error_estimate",
                                          "converged",
                                          "remark",
@@ -158,20 +160,20 @@ void require_outputs(const Sweep& sweep) {
         require_axis(sweep.reflection, "mu_out or theta_out_deg", output);
         require_axis(sweep.azimuth, "azimuth_deg", output);
     }
-    const bool has_others = sweep.wants(Output::colour) || sweep.wants(Output::mueller);
+    const bool has_others = sweep.wants_spectra() || sweep.wants(Output::mueller);
     if (!sweep.derivatives.empty() && (has_others || sweep.for_eradiate))
         throw UsageError(
             "derivatives exist for brdf, hdrf, albedos, emissivities and transmittances; leave "
-            "out colour, mueller and "
-            "layout = \"eradiate\"");
-    if (sweep.wants(Output::colour) && !covers_the_visible(sweep.wavelength.numbers))
+            "out colour, contrast_ratio, mueller and layout = \"eradiate\"");
+    if (sweep.wants_spectra() && !covers_the_visible(sweep.wavelength.numbers))
         throw UsageError(
-            "the output colour needs eight or more ascending wavelengths from 430 nm or "
+            "the outputs colour and contrast_ratio need eight or more ascending wavelengths from "
+            "430 nm or "
             "less to 650 nm or more");
     const bool uses_incidence = sweep.wants_matrices_or_brdf() ||
                                 sweep.wants(Output::plane_albedo) ||
-                                sweep.wants(Output::plane_transmittance) ||
-                                sweep.wants(Output::colour) || sweep.wants(Output::emissivity);
+                                sweep.wants(Output::plane_transmittance) || sweep.wants_spectra() ||
+                                sweep.wants(Output::emissivity);
     const auto refuse_unused = [](const Axis& axis, bool is_used) {
         if (axis.size() > 0 && !is_used)
             throw UsageError(fmt::format("axis '{}' is not used by these outputs", axis.name));

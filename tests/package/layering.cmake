@@ -26,7 +26,7 @@ set(allowed_rte/derivatives rte/stack rte/stokes rte/boundary rte/phase rte/laye
 set(allowed_rte/stokes rte/boundary rte/layer rte/half_space rte/fourier rte/phase rte/math)
 set(allowed_rte/surface rte/math)
 set(allowed_pipeline/io materials/readers)
-set(allowed_pipeline/colour "")
+set(allowed_pipeline/colour rte/surface rte/math)
 set(allowed_pipeline/scene pipeline/io pipeline/measured materials/database materials/index materials/readers rte/math rte/phase)
 set(allowed_pipeline/cache materials/database materials/index)
 set(allowed_pipeline/solve pipeline/scene pipeline/cache rte/boundary rte/surface rte/first_order rte/grid rte/stack rte/derivatives rte/phase rte/math)

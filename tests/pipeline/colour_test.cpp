@@ -105,6 +105,26 @@ TEST_CASE("the matrix of sRGB is the published one", "[colour]") {
     }
 }
 
+TEST_CASE("ACEScg is linear sRGB by the published matrix", "[colour]") {
+    // Adaptation by Bradford; the ACES implementation's six decimals.
+    const double published[3][3] = {{0.613097, 0.339523, 0.047380},
+                                    {0.070194, 0.916354, 0.013452},
+                                    {0.020616, 0.109570, 0.869815}};
+    for (const Illuminant light : {Illuminant::d65, Illuminant::a}) {
+        for (const Xyz& xyz : {Xyz{1, 0, 0}, Xyz{0, 1, 0}, Xyz{0, 0, 1}, white_point(light)}) {
+            const LinearSrgb rgb = to_linear_srgb(xyz, light);
+            const std::array<double, 3> aces = to_acescg(xyz, light);
+            for (std::size_t row = 0; row < 3; ++row) {
+                const double* m = published[row];
+                CHECK(std::abs(aces[row] - (m[0] * rgb.red + m[1] * rgb.green + m[2] * rgb.blue)) <=
+                      2e-5);
+            }
+        }
+    }
+    for (const double one : to_acescg(white_point(Illuminant::d50), Illuminant::d50))
+        CHECK(std::abs(one - 1) <= 1e-12);
+}
+
 TEST_CASE("encoding is that of IEC 61966-2-1 and its own inverse", "[colour]") {
     CHECK(encode_srgb(0) == 0);
     CHECK(encode_srgb(1) == Approx(1).epsilon(1e-15));

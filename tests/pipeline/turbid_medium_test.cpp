@@ -96,6 +96,33 @@ TEST_CASE("a paste mixes with spheres", "[pipeline][turbid]") {
     CHECK(std::abs(*mixed[0].absorption_per_um - *alone[0].absorption_per_um - 0.010) <= 1e-12);
 }
 
+TEST_CASE("weights of particles and a paste tell their volumes", "[pipeline][turbid]") {
+    const support::TemporaryFolder folder;
+    const auto paste = paste_file(folder, "w.csv",
+                                  "# density: 1.25\nwavelength_nm,mu_s_reduced,mu_a\n"
+                                  "500,30,5\n600,40,1\n");
+    const std::string spheres = " + index:2.6,radius=0.13,density=4,";
+    // .2 g of 4 g/cm3 in .8 g of 1.25 g/cm3: .05 of .69 cm3.
+    const auto by_mass = film_of("paste:" + paste + spheres + "mass=20%@40um");
+    const auto by_volume = film_of(fmt::format("paste:{},volume={}{}volume={}@40um", paste,
+                                               0.64 / 0.69, spheres, 0.05 / 0.69));
+    CHECK(std::abs(albedos_at(by_mass, {550}, 0.6).plane_albedo[0][0] -
+                   albedos_at(by_volume, {550}, 0.6).plane_albedo[0][0]) <= 1e-12);
+}
+
+TEST_CASE("acrylic pastes say where their unit of length is missed", "[pipeline][turbid]") {
+    const auto notes = [](const Scene& scene) {
+        return fmt::format("{}", fmt::join(solve(scene, {550}).albedo({1}).notes, "; "));
+    };
+    const auto said = Catch::Contains("no absolute meaning");
+    const std::string red = "paste:acrylic_red,volume=50% + ", white = "paste:acrylic_white";
+    CHECK_THAT(notes(film_of(white + "@20um")), said);
+    CHECK_THAT(notes(support::scene_of(red + "paste:oil_zinc_white,volume=50%")), said);
+    CHECK_THAT(notes(support::scene_of(red + white + ",volume=50%")), !said);
+    CHECK_THAT(notes(film_of(white + "@inf")), !said);
+    CHECK_THAT(notes(film_of("paste:oil_zinc_white@1mm")), !said);
+}
+
 TEST_CASE("embedded acrylics have the colours of their patches, alone and with white",
           "[pipeline][turbid]") {
     // Reflectances in percent of opaque patches at 450, 550, 650 nm: repository

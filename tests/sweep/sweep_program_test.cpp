@@ -120,6 +120,30 @@ wavelength_nm = [500]
     }
 }
 
+TEST_CASE("contrast ratios of a sweep are those of drawdowns", "[sweep][program]") {
+    const support::TemporaryFolder folder;
+    const std::string film = "index:2.6,1e-4,radius=0.13,volume=15% in index:1.5@";
+    const std::string table = folder / "t.csv";
+    support::run_ok("sweep " +
+                    folder.write("s.toml",
+                                 "outputs = [\"contrast_ratio\"]\n[scene]\nsubstrate = "
+                                 "\"black\"\ncoat = \"" +
+                                     film +
+                                     "{um}um\"\n[axes]\n"
+                                     "um = [5, 20]\nmu_in = [1]\n"
+                                     "wavelength_nm = \"400:700:30\"\n") +
+                    " -o " + table);
+    const support::CsvOutput rows(bytes_of(table));
+    REQUIRE(rows.size() == 2);
+    for (std::size_t row = 0; row < 2; ++row) {
+        const auto drawdown = support::csv_of(
+            "albedo --over black,white --colour d65 --mu-in 1 --wavelengths 400:700:30 --coat '" +
+            film + (row == 0 ? "5um'" : "20um'"));
+        CHECK(std::abs(rows.number(row, "contrast_ratio") - drawdown.number(0, "contrast_ratio")) <=
+              1e-9);
+    }
+}
+
 TEST_CASE("tables of sweeps hold Mueller matrices", "[sweep][program][polarisation]") {
     const support::TemporaryFolder folder;
     const std::string four = GENERATE(as<std::string>(), "", "stokes = 4\n");

@@ -137,7 +137,7 @@ TEST_CASE("a BRDF is compared with a table of it", "[program][colour]") {
     const auto csv = answer(scene + " --colour a --reference " + table);
     CHECK(csv.columns() == Columns{"mu_in", "mu_out", "azimuth_deg", "x", "y", "z", "lab_l",
                                    "lab_a", "lab_b", "srgb_red", "srgb_green", "srgb_blue", "lch_c",
-                                   "lch_h", "colour_error", "de76", "de2000"});
+                                   "lch_h", "colour_error", "de76", "de2000", "tint_strength"});
     REQUIRE(csv.size() == 8);
     for (std::size_t row = 0; row < csv.size(); ++row) CHECK(csv.number(row, "de76") <= 1e-6);
 }

@@ -288,7 +288,31 @@ int write_albedo_colours(const Brdf& brdf, const AlbedoQuestion& question,
     return shell.write(std::move(table), values.converged());
 }
 
+int write_gloss(const Brdf& brdf, const AlbedoQuestion& question, const Shell& shell) {
+    const GlossValues values = gloss(brdf, question.viewing.value_or(Viewing()));
+    for (const std::string& note : values.notes) shell.note("note: " + note);
+    Table table;
+    add_facts(table, values, brdf.scene(),
+              "angle_deg: of incidence and of the receptor; reflectance: luminous flux in the "
+              "receptor of ISO 2813 over that incident; gloss_units: 100 for polished black glass "
+              "of index 1.567");
+    table.facts.emplace_back("viewing", describe(question.viewing.value_or(Viewing())));
+    if (!brdf.scene().boundary && !brdf.scene().surface) {
+        const std::string note =
+            "there is no surface: the gloss is that of light from the layers "
+            "alone; give --boundary smooth or rough:ALPHA, or --roughness";
+        table.facts.emplace_back("note", note);
+        shell.note("note: " + note);
+    }
+    table.columns = {"angle_deg", "reflectance", "gloss_units"};
+    for (const Gloss& at : values.angles)
+        table.rows.push_back({at.angle_deg, at.reflectance, at.units});
+    shell.write(std::move(table));
+    return values.converged() ? kGood : kNotConverged;
+}
+
 int write_albedo(const Brdf& brdf, const AlbedoQuestion& question, const Shell& shell) {
+    if (question.gloss) return write_gloss(brdf, question, shell);
     if (!question.over.empty()) return write_drawdown(question, shell);
     const auto all = question.derivatives.empty()
                          ? WithDerivatives<AlbedoValues>{brdf.albedo(question.mu_in), {}, {}}

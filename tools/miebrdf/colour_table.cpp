@@ -14,6 +14,31 @@ namespace {
 /// Six decimals: what is beyond is rounding (-6e-14 for the a of a grey), and no eye sees it.
 Cell decimals(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
 
+/// Relative tinting strength in per cent (ISO 787-24): Kubelka and Munk's K/S of the reflectance
+/// over that of the reference, where the reference absorbs most. Empty: no such wavelength.
+Cell tint_strength(const std::vector<double>& wavelength_nm, const std::vector<double>& reflectance,
+                   const std::vector<double>& reference_nm, const std::vector<double>& reference) {
+    const auto k_by_s = [](double r) { return (1.0 - r) * (1.0 - r) / (2.0 * r); };
+    constexpr double kBlue_nm = 400.0, kRed_nm = 700.0;  // the range of these tests
+    std::size_t darkest = reference.size();
+    for (std::size_t w = 0; w < reference.size(); ++w) {
+        if (reference_nm[w] < std::max(kBlue_nm, wavelength_nm.front()) ||
+            reference_nm[w] > std::min(kRed_nm, wavelength_nm.back()))
+            continue;
+        if (darkest == reference.size() || reference[w] < reference[darkest]) darkest = w;
+    }
+    if (darkest == reference.size()) return {};
+    const auto right =
+        std::upper_bound(wavelength_nm.begin() + 1, wavelength_nm.end() - 1, reference_nm[darkest]);
+    const std::size_t i = std::size_t(right - wavelength_nm.begin());
+    const double t =
+        (reference_nm[darkest] - wavelength_nm[i - 1]) / (wavelength_nm[i] - wavelength_nm[i - 1]);
+    const double of_reference = k_by_s(reference[darkest]);
+    const double own = k_by_s(reflectance[i - 1] + t * (reflectance[i] - reflectance[i - 1]));
+    if (!(of_reference > 0.0 && std::isfinite(own / of_reference))) return {};
+    return decimals(100.0 * own / of_reference);
+}
+
 constexpr const char* kColours[] = {"x",         "y",     "z",        "lab_l",
                                     "lab_a",     "lab_b", "srgb_red", "srgb_green",
                                     "srgb_blue", "lch_c", "lch_h"};
@@ -25,7 +50,9 @@ constexpr double kLeastChroma = 1e-6;
 
 ColourColumns::ColourColumns(const std::vector<double>& wavelength_nm, const Viewing& viewing,
                              ReferenceColours reference)
-    : colorimeter_(wavelength_nm, viewing), reference_(std::move(reference)) {
+    : colorimeter_(wavelength_nm, viewing),
+      wavelength_nm_(wavelength_nm),
+      reference_(std::move(reference)) {
     reference_labs_ = reference_.labs;
     if (reference_.reflectance.empty()) return;
     const Colorimeter its(reference_.wavelength_nm, viewing);
@@ -40,6 +67,7 @@ void ColourColumns::add_names(Table& table) const {
     table.columns.insert(table.columns.end(), std::begin(kColours), std::end(kColours));
     table.columns.emplace_back("colour_error");
     if (!reference_.empty()) table.columns.insert(table.columns.end(), {"de76", "de2000"});
+    if (!reference_.reflectance.empty()) table.columns.emplace_back("tint_strength");
 }
 
 double ColourColumns::add_cells(Table& table, const std::vector<double>& reflectance) {
@@ -54,9 +82,13 @@ double ColourColumns::add_cells(Table& table, const std::vector<double>& reflect
     row.push_back(decimals(error));
     largest_error_ = std::max(largest_error_, error);
     if (!reference_.empty()) {
-        const Lab& standard = reference_labs_.at(row_++);
+        const Lab& standard = reference_labs_.at(row_);
         row.push_back(decimals(delta_e_76(standard, lab)));
         row.push_back(decimals(delta_e_2000(standard, lab)));
+        if (!reference_.reflectance.empty())
+            row.push_back(tint_strength(wavelength_nm_, reflectance, reference_.wavelength_nm,
+                                        reference_.reflectance.at(row_)));
+        ++row_;
     }
     return xyz.y;
 }
@@ -97,7 +129,8 @@ void ColourColumns::add_facts(Table& table) const {
 std::string ColourColumns::units() const {
     return "x, y, z: white of the illuminant has y = 1; lab: CIE 1976, white 100, 0, 0; srgb: "
            "encoded, not clipped; lch_h: degrees, empty of greys; colour_error, de76, de2000: "
-           "distances in Lab";
+           "distances in Lab; tint_strength: per cent, (1 - R)^2 / (2 R) over the reference's, "
+           "where the reference is darkest";
 }
 
 }  // namespace miebrdf::program

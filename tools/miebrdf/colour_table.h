@@ -46,7 +46,8 @@ ReferenceColours reference_albedos(const std::string& path, const AlbedoQuestion
 ReferenceColours reference_reflectances(const std::string& path, const BrdfQuestion& question,
                                         const Control& control);
 
-/// Columns x, y, z, lab, srgb, lch, colour_error; de76 and de2000 with a reference.
+/// Columns x, y, z, lab, srgb, lch, colour_error; with a reference de76, de2000 and, of spectra,
+/// tint_strength.
 class ColourColumns {
   public:
     /// @param wavelength_nm  ascending
@@ -68,6 +69,7 @@ class ColourColumns {
 
   private:
     Colorimeter colorimeter_;
+    std::vector<double> wavelength_nm_;
     ReferenceColours reference_;
     std::vector<Lab> reference_labs_;
     std::size_t row_ = 0;

@@ -15,17 +15,10 @@ CLI::Option* add_list(CLI::App& command, const char* name, std::string& text, co
     return command.add_option(name, text, help)->type_name("LIST");
 }
 
-/// Sorts the wavelengths and refuses those that no colour can be told from: fewer than eight, or
-/// not from 430 nm or less to 650 nm or more. @throws UsageError
-void prepare_for_colour(std::vector<double>& wavelength_nm) {
+void make_ascending(std::vector<double>& wavelength_nm) {
     std::sort(wavelength_nm.begin(), wavelength_nm.end());
     wavelength_nm.erase(std::unique(wavelength_nm.begin(), wavelength_nm.end()),
                         wavelength_nm.end());
-    // Fewer, or a part of the visible, give another colour without a sign of it (docs/colour.md).
-    if (covers_the_visible(wavelength_nm)) return;
-    throw UsageError(
-        "--colour needs at least eight wavelengths, from 430 nm or less to 650 nm or more; write "
-        "e.g. --wavelengths 400:700:10");
 }
 
 std::optional<double> parse_diffuse_fraction(const std::string& text) {
@@ -38,25 +31,6 @@ std::optional<double> parse_diffuse_fraction(const std::string& text) {
             text));
     }
     return share;
-}
-
-/// "black", "white" or what a substrate may be. @throws UsageError, InputError
-Substrate parse_ground(const std::string& text) {
-    if (text == "white") return DrawdownOptions().light;
-    return substrate(text);
-}
-
-/// A dark and a light ground.
-std::vector<Substrate> parse_grounds(const std::string& text) {
-    std::vector<Substrate> grounds;
-    for (const std::string& ground : split_list(text)) grounds.push_back(parse_ground(ground));
-    if (grounds.size() != 2) {
-        throw UsageError(fmt::format(
-            "--over {}: {} grounds; allowed: two, the dark one first: black,white (a Lambertian "
-            "ground of albedo {}) or e.g. black,lambert:0.78",
-            text, grounds.size(), kWhiteChartAlbedo));
-    }
-    return grounds;
 }
 
 CLI::Option* add_diffuse_fraction(CLI::App& command, std::string& text, const std::string& use) {
@@ -95,6 +69,28 @@ std::vector<BrdfPart> parse_components(const std::string& text, const Scene& sce
         parts.push_back(part);
     }
     return parts;
+}
+
+void prepare_for_colour(std::vector<double>& wavelength_nm) {
+    make_ascending(wavelength_nm);
+    // Fewer, or a part of the visible, give another colour without a sign of it (docs/colour.md).
+    if (covers_the_visible(wavelength_nm)) return;
+    throw UsageError(
+        "--colour needs at least eight wavelengths, from 430 nm or less to 650 nm or more; write "
+        "e.g. --wavelengths 400:700:10");
+}
+
+std::vector<Substrate> parse_grounds(const std::string& text) {
+    std::vector<Substrate> grounds;
+    for (const std::string& ground : split_list(text))
+        grounds.push_back(ground == "white" ? DrawdownOptions().light : substrate(ground));
+    if (grounds.size() != 2) {
+        throw UsageError(fmt::format(
+            "--over {}: {} grounds; allowed: two, the dark one first: black,white (a Lambertian "
+            "ground of albedo {}) or e.g. black,lambert:0.78",
+            text, grounds.size(), kWhiteChartAlbedo));
+    }
+    return grounds;
 }
 
 void ColourArguments::add_to(CLI::App& command) {
@@ -194,6 +190,8 @@ void AlbedoArguments::add_to(CLI::App& command, Shell& shell) {
            "albedo of the layers over a dark and over a light ground, each written as for "
            "--substrate, in place of --base or --substrate. black,white is a drawdown over a chart "
            "(white: albedo 0.8): contrast ratio and, with --colour, hiding power");
+    command.add_flag("--gloss", gloss_,
+                     "gloss at 20, 60 and 85 degrees in gloss units (ISO 2813) instead of albedos");
     colour_.add_to(command);
 }
 
@@ -204,6 +202,19 @@ AlbedoQuestion AlbedoArguments::parse() const {
         throw UsageError("--over takes the place of --base and --substrate; give one of them");
     AlbedoQuestion question;
     question.request = scene_.parse();
+    question.gloss = gloss_;
+    if (gloss_) {
+        const bool has_others = mu_in_.given() || !over_.empty() || !derivatives_.empty() ||
+                                !diffuse_fraction_.empty() || !colour_.reference().empty();
+        if (has_others) {
+            throw UsageError(
+                "--gloss has the angles of the standard and a table of its own; leave out --mu-in, "
+                "--theta-in, --over, --diffuse-fraction, --derivatives and --reference");
+        }
+        make_ascending(question.request.wavelength_nm);
+        question.viewing = colour_.parse(question.request.wavelength_nm);
+        return question;
+    }
     question.mu_in = mu_in_.parse(over_.empty() ? "0.1:1:0.1" : "1");
     question.diffuse_fraction = parse_diffuse_fraction(diffuse_fraction_);
     question.viewing = colour_.parse(question.request.wavelength_nm);

@@ -17,6 +17,13 @@ namespace miebrdf::program {
 /// @throws UsageError  for an unknown name, and for the surface of a scene without one
 std::vector<BrdfPart> parse_components(const std::string& text, const Scene& scene);
 
+/// Sorts the wavelengths and refuses those that no colour can be told from: fewer than eight, or
+/// not from 430 nm or less to 650 nm or more. @throws UsageError
+void prepare_for_colour(std::vector<double>& wavelength_nm);
+
+/// --over: a dark and a light ground, each a substrate or "white". @throws UsageError, InputError
+std::vector<Substrate> parse_grounds(const std::string& text);
+
 /// `--colour` and `--reference`.
 class ColourArguments {
   public:
@@ -72,6 +79,7 @@ struct AlbedoQuestion {
     std::optional<double> diffuse_fraction;  ///< of the light from the sky
     std::optional<Viewing> viewing;          ///< of the colours that take the place of spectra
     std::string reference;                   ///< file to compare colours with; empty: none
+    bool gloss = false;                      ///< in place of spectra
     std::vector<Substrate> over;           ///< a dark and a light ground; empty: as the scene says
     std::vector<std::string> derivatives;  ///< numbers of the scene; empty: none
 };
@@ -88,6 +96,7 @@ class AlbedoArguments {
     std::string diffuse_fraction_;
     std::string over_;
     std::string derivatives_;
+    bool gloss_ = false;
     ColourArguments colour_;
 };
 

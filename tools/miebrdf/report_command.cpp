@@ -1,9 +1,11 @@
 // miebrdf report: one interactive page of solved scenes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
+#include <miebrdf/colour.h>
 #include <miebrdf/error.h>
 #include "pipeline/report/page.h"
 #include "pipeline/report/report_data.h"
@@ -77,6 +79,22 @@ std::vector<NamedRequest> report_requests(const ReportArguments& arguments) {
     return all;
 }
 
+/// Of films whose wavelengths give a colour.
+void add_contrast_ratio(Facts& facts, const Request& request, const Shell& shell) {
+    const bool has_depth = std::any_of(request.scene.layers.begin(), request.scene.layers.end(),
+                                       [](const Layer& layer) { return layer.depth.value > 0.0; });
+    if (!request.scene.substrate || !has_depth || !covers_the_visible(request.wavelength_nm))
+        return;
+    const Drawdown film =
+        draw_down(request.scene, request.wavelength_nm, {1.0}, {.hiding_contrast_ratio = 0.0},
+                  request.solver, shell.control());
+    facts.emplace_back(
+        "contrast_ratio",
+        fmt::format("{:.4f} at normal incidence, {:.4f} in diffuse light (Y over black by Y over a "
+                    "white of 0.8, D65)",
+                    film.hiding[0].contrast_ratio, film.hiding[1].contrast_ratio));
+}
+
 report::ReportScene solve_family(const NamedRequest& named, const ReportArguments& arguments,
                                  const Shell& shell) {
     report::ReportScene scene{named.name, report::label_of(named.request.scene)};
@@ -87,8 +105,10 @@ report::ReportScene solve_family(const NamedRequest& named, const ReportArgument
         std::string label = family.apply(value, request);
         scene.variants.push_back({solved(request, shell.control()), std::move(label), value,
                                   [request, &shell](const ResultReport& result) {
-                                      return page_facts(request.scene, result,
-                                                        shell.command_line());
+                                      Facts facts =
+                                          page_facts(request.scene, result, shell.command_line());
+                                      add_contrast_ratio(facts, request, shell);
+                                      return facts;
                                   }});
     }
     return scene;

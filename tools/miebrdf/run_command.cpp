@@ -187,12 +187,24 @@ int run(const std::string& path, const Shell& shell) {
 
 }  // namespace
 
-std::vector<SceneFileResult> read_scene_results(const std::string& path) {
+namespace {
+
+std::vector<SceneFileCommand> known_commands() {
     std::vector<SceneFileCommand> known;
     for (const Command& command : commands()) {
         if (command.in_scene_files) known.push_back(file_command(command));
     }
-    return read_scene_file(path, known);
+    return known;
+}
+
+}  // namespace
+
+std::vector<SceneFileResult> read_scene_results(const std::string& path) {
+    return read_scene_file(path, known_commands());
+}
+
+std::vector<NamedScene> read_scenes(const std::string& path) {
+    return read_named_scenes(path, known_commands());
 }
 
 void read_keys(const SceneFileResult& result, CLI::App& command) {

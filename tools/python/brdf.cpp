@@ -1,5 +1,6 @@
 // Solved scenes: <miebrdf/brdf.h>, <miebrdf/sampling.h>, <miebrdf/plan.h>.
 #include <miebrdf/brdf.h>
+#include <miebrdf/colour.h>
 #include <miebrdf/plan.h>
 #include <miebrdf/sampling.h>
 #include <miebrdf/value_derivatives.h>
@@ -136,6 +137,16 @@ class SolvedScene {
         LongCall call(options);
         const AlbedoValues values = call.run([&] { return brdf(call.control()).albedo(mu_in); });
         return py::make_tuple(columns_of(values, mu_in.size()), facts_of(values));
+    }
+
+    /// @returns  (gloss units at 20, 60 and 85 degrees, report)
+    py::tuple gloss(const std::string& viewed, const CallOptions& options) const {
+        LongCall call(options);
+        const GlossValues values =
+            call.run([&] { return miebrdf::gloss(brdf(call.control()), viewing(viewed)); });
+        Numbers units;
+        for (const Gloss& at : values.angles) units.push_back(at.units);
+        return py::make_tuple(array_of(std::move(units)), facts_of(values));
     }
 
     /// @returns  (array, report) as evaluate, of the derivatives by the first parameter, the
@@ -304,6 +315,7 @@ void bind_brdf(py::module_& module) {
         .def("mueller", &SolvedScene::mueller, py::arg("mu_in"), py::arg("mu_out"),
              py::arg("azimuth_deg"), py::arg("options"))
         .def("albedo", &SolvedScene::albedo, py::arg("mu_in"), py::arg("options"))
+        .def("gloss", &SolvedScene::gloss, py::arg("viewed"), py::arg("options"))
         .def("evaluate_derivatives", &SolvedScene::evaluate_derivatives, py::arg("parameters"),
              py::arg("mu_in"), py::arg("mu_out"), py::arg("azimuth_deg"), py::arg("part"),
              py::arg("options"))

@@ -134,15 +134,15 @@ py::dict check(const std::string& path) {
     return facts;
 }
 
-/// For each row of reflectances: XYZ, Lab, linear sRGB, LCh and the colour's error estimate, as the
-/// program's --colour computes them.
+/// For each row of reflectances: XYZ, Lab, linear sRGB, LCh, the colour's error estimate and linear
+/// ACEScg, as the program's --colour and swatches compute them.
 /// @param reflectance  rows of one number for each wavelength
 /// @param viewed       as for `viewing`
 py::array_t<double> colours(const Numbers& wavelength_nm, const NumberArray& reflectance,
                             const std::string& viewed) {
     const Colorimeter colorimeter(wavelength_nm, viewing(viewed));
     const auto rows = reflectance.unchecked<2>();
-    NumberArray result({rows.shape(0), py::ssize_t{13}});
+    NumberArray result({rows.shape(0), py::ssize_t{16}});
     auto target = result.mutable_unchecked<2>();
     Numbers row(static_cast<std::size_t>(rows.shape(1)));
     for (py::ssize_t r = 0; r < rows.shape(0); ++r) {
@@ -151,6 +151,8 @@ py::array_t<double> colours(const Numbers& wavelength_nm, const NumberArray& ref
         py::ssize_t column = 0;
         for (const double value : {xyz.x, xyz.y, xyz.z, lab.l, lab.a, lab.b, rgb.red, rgb.green,
                                    rgb.blue, lch.l, lch.c, lch.h_deg, error})
+            target(r, column++) = value;
+        for (const double value : to_acescg(xyz, colorimeter.viewing()))
             target(r, column++) = value;
     }
     return result;

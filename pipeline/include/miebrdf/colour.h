@@ -134,6 +134,8 @@ std::array<double, 3> delta_e_2000_parts(const Lab& a, const Lab& b);
 /// Seen by an eye adapted to the illuminant (Bradford, to the white of sRGB): a reflectance of 1 is
 /// (1, 1, 1) under each of them.
 LinearSrgb to_linear_srgb(const Xyz& xyz, const Viewing& viewing = {});
+/// Likewise linear red, green, blue of ACEScg (SMPTE ST 2065-1, primaries AP1), for renderers.
+std::array<double, 3> to_acescg(const Xyz& xyz, const Viewing& viewing = {});
 
 /// The transfer function of IEC 61966-2-1, [0, 1] to [0, 1]; odd beyond 0, continued above 1.
 double encode_srgb(double linear);
@@ -182,8 +184,8 @@ inline constexpr double kWhiteChartAlbedo = 0.8;
 struct DrawdownOptions {
     Substrate dark = {.kind = Substrate::Kind::black};  ///< below the film
     Substrate light = {.kind = Substrate::Kind::lambertian, .albedo = {kWhiteChartAlbedo}};
-    double hiding_contrast_ratio =
-        0.98;              ///< that counts as complete hiding (ASTM D2805), in (0, 1)
+    /// That counts as complete hiding (ASTM D2805), in (0, 1); 0: no depth is searched.
+    double hiding_contrast_ratio = 0.98;
     Viewing viewing = {};  ///< Y is of this illuminant and observer
 };
 
@@ -216,6 +218,31 @@ struct Drawdown {
 Drawdown draw_down(const Scene& scene, const std::vector<double>& wavelength_nm,
                    const std::vector<double>& mu_in, const DrawdownOptions& options = {},
                    const SolverOptions& solver = {}, const Control& control = {});
+
+// -------------------------------------------------------------------- Gloss
+
+/// Specular gloss at one angle.
+struct Gloss {
+    double angle_deg = 0.0;    ///< of incidence and of the receptor: 20, 60 or 85
+    double reflectance = 0.0;  ///< luminous flux in the receptor over that incident, [0, 1]
+    double units = 0.0;        ///< 100: polished black glass of index 1.567
+};
+
+/// Gloss at the three angles of ISO 2813 and ASTM D523, with what its values say about themselves.
+struct GlossValues : public ResultReport {
+    std::vector<Gloss> angles;  ///< 20, 60, 85 degrees
+};
+
+/// The gloss that a glossmeter reads (ISO 2813:2014, ASTM D523): the flux in a receptor of 1.8 x
+/// 3.6, 4.4 x 11.7, 4.0 x 6.0 degrees (in the plane of incidence x across it) at 20, 60, 85
+/// degrees, of a source of 0.75 x 2.5 degrees, relative to polished black glass, whose reflectance
+/// is Fresnel's (.04908, .10006, .61915). Mirror reflection of a smooth boundary is in it as a
+/// whole; what is spread over angles is integrated over both apertures, to 1e-3 for slopes of 5e-3
+/// and more. Light that comes out of the layers is counted as an instrument does.
+///
+/// @param viewing  light and eye that weigh the wavelengths; one wavelength stands for all
+/// @throws UsageError  as Brdf::evaluate, and for wavelengths that do not ascend
+GlossValues gloss(const Brdf& brdf, const Viewing& viewing = {});
 
 }  // namespace miebrdf
 #pragma GCC visibility pop

@@ -143,6 +143,38 @@ class Albedos:
         name = "spherical_transmittance" if transmitted else "spherical_albedo"
         return self._albedo(name, [1.0], Axes([], [], {}, ()))
 
+    def gloss(self, *, illuminant: str = "d65") -> Floats:
+        """Gloss units at 20, 60 and 85 degrees, as a glossmeter reads them (ISO 2813, ASTM D523).
+
+        100 is polished black glass of index 1.567. A smooth boundary reflects into the receptor as
+        a whole; lobes of rough ones are integrated over the standard's apertures. Light from the
+        layers that reaches the receptor counts, too.
+
+        Parameters
+        ----------
+        illuminant : str
+            Weighs the wavelengths, which must ascend: "d65", "d50", "a" or "e", then perhaps the
+            observer's degrees, "d65,10".
+
+        Returns
+        -------
+        numpy.ndarray
+            Of shape (3,).
+
+        Raises
+        ------
+        UsageError
+            For another illuminant, and wavelengths that do not ascend.
+
+        Examples
+        --------
+        >>> varnish = Scene("hg:0.9,0.4", host=1.5, boundary="smooth").solve(550)
+        >>> varnish.gloss()
+        """
+        with Call(*self._call) as options:
+            units, _ = self._solved.gloss(illuminant, options)
+        return units
+
     def _albedo(self, name: str, mu_in: list[float], axes: Axes) -> Values:
         """One of the columns that the module computes at these cosines."""
         if 0 in axes.shape:

@@ -327,6 +327,7 @@ class SolvedScene:
     def albedo(
         self, mu_in: Sequence[float], options: CallOptions
     ) -> tuple[dict[str, Any], dict[str, Any]]: ...
+    def gloss(self, viewed: str, options: CallOptions) -> tuple[_Floats, dict[str, Any]]: ...
     def evaluate_derivatives(
         self,
         parameters: Sequence[str],

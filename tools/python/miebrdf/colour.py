@@ -17,6 +17,7 @@ from ._arrays import Floats, numbers, wavelength_list
 from .errors import UsageError
 
 __all__ = [
+    "acescg",
     "colour_error",
     "delta_e_76",
     "delta_e_2000",
@@ -207,6 +208,20 @@ def linear_srgb(
     >>> linear_srgb(green, nm)
     """
     return _columns(reflectance, wavelengths_nm, illuminant, slice(6, 9))
+
+
+def acescg(
+    reflectance: ArrayLike, wavelengths_nm: ArrayLike | None = None, *, illuminant: str = "d65"
+) -> Floats:
+    """Linear ACEScg (primaries AP1) for renderers; white is (1, 1, 1). Arguments as for `xyz`.
+
+    Examples
+    --------
+    >>> nm = np.arange(400, 701, 10)
+    >>> green = np.exp(-(((nm - 540) / 40) ** 2))
+    >>> acescg(green, nm)
+    """
+    return _columns(reflectance, wavelengths_nm, illuminant, slice(13, 16))
 
 
 def encode_srgb(linear: ArrayLike) -> Floats:
