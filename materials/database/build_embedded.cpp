@@ -7,11 +7,13 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <miebrdf/database.h>
+#include "materials/database/names.h"
 #include "materials/database/sqlite.h"
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
@@ -91,6 +93,24 @@ void add_collections(const std::filesystem::path& output, const std::vector<Row>
     transaction.commit();
 }
 
+/// Materials without a dataset: their titles say what there is instead.
+void add_missing(const std::filesystem::path& output, const std::vector<Row>& rows) {
+    const auto connection = sqlite::Connection::open_read_write(output);
+    for (const Row& row : rows) {
+        connection.prepare("INSERT INTO material (name, key, title) VALUES (?, ?, ?)")
+            .bind(row.at("name"))
+            .bind(normalised(row.at("name")))
+            .bind(row.at("title"))
+            .run();
+    }
+    DatabaseWriter writer(output);
+    for (const Row& row : rows) {
+        std::istringstream aliases(row.at("aliases"));
+        for (std::string alias; std::getline(aliases, alias, ';');)
+            writer.add_alias(row.at("name"), alias);
+    }
+}
+
 void build(const std::filesystem::path& folder, const std::filesystem::path& output) {
     std::vector<Dataset> datasets;
     for (const Row& row : read_rows(folder / "index.csv"))
@@ -108,6 +128,7 @@ void build(const std::filesystem::path& folder, const std::filesystem::path& out
     }
     std::filesystem::remove(output);
     DatabaseWriter(output).add(datasets);
+    add_missing(output, read_rows(folder / "missing.csv"));
     add_collections(output, read_rows(folder / "collections.csv"));
     // The embedded file is opened from memory, so it must not need a write-ahead log; VACUUM makes
     // it as small as possible.

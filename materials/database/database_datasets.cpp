@@ -100,7 +100,11 @@ DatasetInfo Database::dataset_info(const std::string& name) const {
     if (const auto mixed = unstored(name)) return describe_unstored(*mixed);
     if (!resolve(name).empty()) {
         const std::vector<DatasetInfo> all = datasets(name);
-        if (all.empty()) throw UnknownMaterial(name + " has no dataset yet", name, {});
+        if (all.empty()) {
+            const std::string title = info(name).title;
+            throw UnknownMaterial(name + (title.empty() ? " has no dataset yet" : ": " + title),
+                                  name, {});
+        }
         return all.front();
     }
     std::vector<DatasetInfo> found;

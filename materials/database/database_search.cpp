@@ -83,7 +83,11 @@ std::vector<MaterialInfo> Database::list() const {
     }
     std::vector<MaterialInfo> all;
     all.reserve(names.size());
-    for (const std::string& name : names) all.push_back(info(name));
+    for (const std::string& name : names) {
+        MaterialInfo material = info(name);
+        // Those without a dataset are names of what is missing: searches find them.
+        if (material.datasets > 0) all.push_back(std::move(material));
+    }
     return all;
 }
 

@@ -73,7 +73,7 @@ Table table_of(const std::vector<MaterialInfo>& found) {
     for (const MaterialInfo& m : found) {
         table.rows.push_back({m.name, m.title, m.formula, m.source, range_end(m, m.shortest_nm),
                               range_end(m, m.longest_nm), static_cast<double>(m.rows),
-                              std::string(m.k_known ? "yes" : "no"),
+                              std::string(m.datasets > 0 && m.k_known ? "yes" : "no"),
                               static_cast<double>(m.datasets)});
     }
     return table;
