@@ -18,7 +18,7 @@ namespace {
 
 const std::string kVisible = " --wavelengths 400:700:20";
 
-std::string content(const std::filesystem::path& path) {
+std::string text_in(const std::filesystem::path& path) {
     std::ifstream file(path);
     std::stringstream text;
     text << file.rdbuf();
@@ -69,12 +69,12 @@ TEST_CASE("sheets are drawn as SVG, PNG and a page", "[program][swatches]") {
     for (const char* name : {"sheet.svg", "sheet.html"}) {
         const auto path = folder.path() / name;
         support::run_ok(words + " --title 'a <b>' -o " + path.string());
-        const std::string text = content(path);
+        const std::string text = text_in(path);
         CHECK_THAT(text, Catch::Contains(sheet.text(0, "hex")) &&
                              Catch::Contains(sheet.text(1, "hex")) &&
                              Catch::Contains("a &lt;b&gt;") && !Catch::Contains("a <b>"));
     }
-    CHECK_THAT(content(folder.path() / "sheet.html"), Catch::Contains("<th>acescg_r</th>"));
+    CHECK_THAT(text_in(folder.path() / "sheet.html"), Catch::Contains("<th>acescg_r</th>"));
 }
 
 TEST_CASE("sheets refuse what has no colour", "[program][swatches][errors]") {

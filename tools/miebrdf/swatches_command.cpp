@@ -42,7 +42,7 @@ struct Sheet {
     bool converged = true;
 };
 
-std::vector<ShownScene> scenes_of(const SwatchArguments& arguments) {
+std::vector<ShownScene> swatch_scenes(const SwatchArguments& arguments) {
     const SceneArguments& words = arguments.scenes->scene;
     std::vector<ShownScene> all;
     for (const std::string& file : arguments.files) {
@@ -138,7 +138,7 @@ Sheet solve_all(const std::vector<ShownScene>& scenes, const SwatchArguments& ar
     return sheet;
 }
 
-void add_rows(Sheet& sheet, const Viewing& light) {
+void add_patch_rows(Sheet& sheet, const Viewing& light) {
     Table& table = sheet.table;
     table.columns = {"name",     "over",     "X",        "Y",        "Z",        "L",
                      "a",        "b",        "hex",      "srgb_r",   "srgb_g",   "srgb_b",
@@ -159,7 +159,7 @@ void add_rows(Sheet& sheet, const Viewing& light) {
     }
 }
 
-std::string words_of(const Patch& patch) {
+std::string words_of_patch(const Patch& patch) {
     const auto& [xyz, lab, lch, rgb, error] = patch.colour;
     const auto is_outside = [](double value) { return !(value >= -1e-3 && value <= 1.001); };
     const bool clipped = is_outside(rgb.red) || is_outside(rgb.green) || is_outside(rgb.blue);
@@ -176,7 +176,8 @@ plot::Picture draw(const Sheet& sheet, const plot::Caption& caption) {
     for (const Swatch& swatch : sheet.swatches) {
         width = std::max(width, kText + plot::SvgDrawing::text_width(swatch.name, kName) + 130.0);
         for (const Patch& patch : swatch.patches)
-            width = std::max(width, kText + plot::SvgDrawing::text_width(words_of(patch), kSmall));
+            width = std::max(width,
+                             kText + plot::SvgDrawing::text_width(words_of_patch(patch), kSmall));
     }
     plot::SvgDrawing drawing(std::min(width + kLeft, 1400.0),
                              50.0 + kRow * double(sheet.swatches.size()));
@@ -200,7 +201,7 @@ plot::Picture draw(const Sheet& sheet, const plot::Caption& caption) {
             name += fmt::format(", contrast ratio {:.3f}", *swatch.contrast_ratio);
         drawing.text({kText, line}, name, {.size = kName});
         for (const Patch& patch : swatch.patches)
-            drawing.text({kText, line += 17.0}, words_of(patch), {.size = kSmall});
+            drawing.text({kText, line += 17.0}, words_of_patch(patch), {.size = kSmall});
         top += kRow;
     }
     return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};
@@ -241,7 +242,7 @@ std::string page_of(const Sheet& sheet, const plot::Picture& picture, const std:
 int run_swatches(const SwatchArguments& arguments, const std::vector<ShownScene>& scenes,
                  const Shell& shell) {
     Sheet sheet = solve_all(scenes, arguments, shell);
-    add_rows(sheet, viewing(arguments.viewing));
+    add_patch_rows(sheet, viewing(arguments.viewing));
     const std::string& output = shell.common().output;
     const plot::Caption caption = arguments.scenes->plot.caption(
         shell, fmt::format("{} under {}", scenes.size() == 1 ? "Colour" : "Colours",
@@ -293,7 +294,7 @@ void add_swatches(CLI::App& command, Shell& shell) {
         const std::string& output = shell.common().output;
         if (output.ends_with(".svg") || output.ends_with(".png"))
             arguments->scenes->plot.check(shell);
-        const std::vector<ShownScene> scenes = scenes_of(*arguments);
+        const std::vector<ShownScene> scenes = swatch_scenes(*arguments);
         return [arguments, scenes, &shell] { return run_swatches(*arguments, scenes, shell); };
     });
 }

@@ -35,4 +35,13 @@ void show_colour() {
     const Hiding& from_above = drawdown.hiding.front();
     std::cout << "contrast ratio " << from_above.contrast_ratio << ", hides at "
               << from_above.relative_depth.value_or(0) << " times its depth\n";
+
+    Scene varnish;
+    say(varnish, "substrate", {"black"});
+    say(varnish, "host-index", {"1.5"});
+    say(varnish, "boundary", {"smooth"});
+    const GlossValues shine = gloss(solve(varnish, {550}));
+    for (const Gloss& at : shine.angles)
+        std::cout << at.units << " gloss units at " << at.angle_deg << " degrees\n";
+    std::cout << "red in ACEScg " << to_acescg(xyz, viewing)[0] << '\n';
 }
