@@ -9,4 +9,12 @@ miebrdf_embedded_database:
     .hidden miebrdf_embedded_database_end
 miebrdf_embedded_database_end:
     .byte 0
+    .global miebrdf_common_words
+    .hidden miebrdf_common_words
+miebrdf_common_words:
+    .incbin MIEBRDF_COMMON_WORDS
+    .global miebrdf_common_words_end
+    .hidden miebrdf_common_words_end
+miebrdf_common_words_end:
+    .byte 0
     .section .note.GNU-stack, "", %progbits

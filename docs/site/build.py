@@ -29,7 +29,7 @@ ROOT = HERE.parents[1]
 #: The chapters of the navigation: (title, pages).
 CHAPTERS = [
     ("Tutorials", ["docs/tutorials/rendering", "docs/tutorials/snow", "docs/tutorials/paint", "docs/tutorials/fit-snow",
-                   "docs/tutorials/fit-drawdown", "docs/tutorials/paste", "docs/tutorials/fit-brdf", "docs/notebooks/README"]),
+                   "docs/tutorials/fit-drawdown", "docs/tutorials/paste", "docs/tutorials/fit-brdf", "docs/tutorials/laboratory", "docs/tutorials/planetary", "docs/notebooks/README"]),
     ("Use", ["docs/command-line", "docs/python", "docs/scene-files", "docs/sweeps", "docs/measured", "docs/fitting", "docs/grounds", "docs/recipes", "docs/inference", "docs/derivatives",
              "docs/materials", "docs/particles", "docs/mixtures",
              "docs/boundaries", "docs/polarisation", "docs/colour", "docs/formats/README", "docs/plots", "docs/report", "docs/studio",

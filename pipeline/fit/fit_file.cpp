@@ -40,7 +40,10 @@ const std::vector<std::string> kMeasuredKeys = {"file",
                                                 "scene",
                                                 "wavelength_shift",
                                                 "band_width",
-                                                "correlation_length"};
+                                                "correlation_length",
+                                                "sphere",
+                                                "other_sphere",
+                                                "lost_light"};
 
 class FitFile : TomlFile {
   public:
@@ -292,6 +295,37 @@ class FitFile : TomlFile {
         return words;
     }
 
+    void read_spheres(const toml::table& set, fitting::MeasuredWords& words, FitData& data) {
+        if (const toml::node* lost = set.get("lost_light")) data.lost_light = lost->value_or(false);
+        if (set.get("sphere") != nullptr) data.spheres.emplace();
+        for (const char* key : {"sphere", "other_sphere"}) {
+            const bool other = key != std::string_view("sphere");
+            const toml::node* node = set.get(key);
+            if (node == nullptr) continue;
+            const std::string text = node->value_or(std::string());
+            if (other && (!data.spheres || words.has_spheres_of_file))
+                refuse(*node, "'other_sphere' stands beside sphere = { ... }");
+            if (!other && (text == "file" || text == "iad")) {
+                words.has_spheres_of_file = true;
+                data.spheres->as_iad = text == "iad";
+                continue;
+            }
+            if (!node->is_table())
+                refuse(*node,
+                       fmt::format("'{}' is {{ diameter = 200, sample_port = 25, wall = 0.97 "
+                                   "}}, or of an .rxt file \"file\" or \"iad\"",
+                                   key));
+            for (const auto& [name, number] : in_order(*node->as_table())) {
+                const auto flag = number->value_exact<bool>();
+                const double value = flag ? double(*flag) : number_of(*number, name);
+                at(*number, [&, &word = name] {
+                    set_sphere_word(*data.spheres, std::string(word), value, other);
+                });
+            }
+            if (other) data.spheres->spheres = 2;
+        }
+    }
+
     void read_measured(const toml::table& set) {
         check_keys(set, kMeasuredKeys, "key");
         fitting::MeasuredWords words = measured_words(set);
@@ -338,6 +372,7 @@ class FitFile : TomlFile {
         data.band_width_nm = number_of_key(set, "band_width").value_or(0.0);
         data.correlation_length_nm = number_of_key(set, "correlation_length").value_or(0.0);
         data.scene = own_scene(set);
+        read_spheres(set, words, data);
         at(set, [&] {
             fitting::read_values(words, data);
             fitting::check_data(data);

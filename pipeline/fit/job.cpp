@@ -174,6 +174,8 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
                 job = jobs.end() - 1;
             }
             Job::Use use{.quantity = value.quantity, .geometry = value.geometry};
+            if (data.spheres && value.geometry != MeasuredGeometry::unscattered)
+                use.of_spheres = &data;
             if (kind != Kind::lab)
                 use.wavelength = place_in(job->wavelength_nm, value.wavelength_nm);
             if (!is_of_all_sides(value)) use.in = place_in(job->directions.mu_in, value.mu_in);

@@ -25,6 +25,7 @@ struct Job {
         MeasuredGeometry geometry = MeasuredGeometry::directional;
         /// Indices of this job; `point` where is_scattered().
         std::size_t wavelength = 0, in = 0, out = 0, azimuth = 0, point = 0;
+        const FitData* of_spheres = nullptr;  ///< the data that spheres have measured
     };
     /// A measured value: one use, or of an interpolated job a mean over a band of a spectrum.
     struct Reading {

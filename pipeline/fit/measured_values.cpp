@@ -135,6 +135,20 @@ void read_values(const MeasuredWords& words, FitData& data) {
                             words.file));
         values = std::move(measured.values);
         data.doubts = std::move(measured.doubts);
+        if (words.has_spheres_of_file) {
+            if (!measured.spheres)
+                throw UsageError(fmt::format(
+                    "{} says nothing of spheres; give them: sphere = {{ diameter = 200, "
+                    "sample_port = 25, wall = 0.97 }}",
+                    words.file));
+            const bool as_iad = data.spheres->as_iad;
+            data.spheres = std::move(measured.spheres);
+            data.spheres->as_iad = as_iad;
+        }
+        if (data.spheres)  // they are used
+            std::erase_if(data.doubts, [](const std::string& doubt) {
+                return doubt.find("integrating sphere") != std::string::npos;
+            });
     }
     if (!words.ranges.empty())
         keep_ranges(values, words.ranges, fmt::format("{}", fmt::join(data.doubts, "; ")));

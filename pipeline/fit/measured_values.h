@@ -14,6 +14,7 @@ struct MeasuredWords {
     std::string file = {};  ///< empty: `values` at `wavelength_nm`
     MeasuredOptions options = {};
     std::vector<double> values = {}, wavelength_nm = {};
+    bool has_spheres_of_file = false;  ///< takes FitData::spheres from the file
     std::vector<std::pair<double, double>> ranges =
         {};  ///< of wavelengths that count, nm; none: all
 };

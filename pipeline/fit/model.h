@@ -32,6 +32,10 @@ class Model {
     /// Values of all data sets, one after the other.
     std::size_t values() const { return values_; }
     int solved_scenes() const { return solved_scenes_; }
+    const std::vector<Job>& jobs() const { return jobs_; }
+    Scene scene(const Job& job, std::span<const double> numbers) const {
+        return request(job, numbers).scene;
+    }
 
     /// Finds out how each unknown is differentiated, and whether spheres come from a lattice of
     /// sizes.

@@ -68,6 +68,27 @@ bool is_of_neighbours(const FitData& data) {
            data.band_width_nm > 0.0 || data.correlation_length_nm > 0.0;
 }
 
+/// Spheres see a beam on the sample, and what comes back or passes.
+void check_spheres(const FitData& data) {
+    if (!data.spheres) {
+        if (data.lost_light)
+            throw UsageError(data.name +
+                             ": light is lost at the ports of a sphere; give it: "
+                             "sphere = { diameter = 200, sample_port = 25, wall = 0.97 }");
+        return;
+    }
+    validate(*data.spheres);
+    for (const MeasuredValue& value : data.values) {
+        const bool is_flux = value.quantity == MeasuredQuantity::reflectance ||
+                             value.quantity == MeasuredQuantity::transmittance;
+        if (is_flux && !is_of_all_sides(value) && value.geometry != MeasuredGeometry::d8_sce)
+            continue;
+        throw UsageError(data.name +
+                         ": a sphere measures plane_albedo or plane_transmittance; "
+                         "of specular excluded say unscattered_reflectance = 0 in sphere");
+    }
+}
+
 /// What is said of the wavelengths of a spectrum.
 void check_spectrum(const FitData& data) {
     constexpr double kWidestBand = 200.0, kLongestCorrelation = 1e4;
@@ -202,6 +223,7 @@ void check_data(const FitData& data) {
     if (data.values.empty())
         throw InputError(fmt::format("{}: no values; a [[measured]] needs some", data.name));
     check_spectrum(data);
+    check_spheres(data);
     // A spectrum has one value at each wavelength.
     std::set<std::tuple<double, double, MeasuredQuantity, MeasuredGeometry>> known;
     for (const MeasuredValue& value : data.values) {

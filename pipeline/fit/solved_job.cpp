@@ -15,9 +15,9 @@
 namespace miebrdf::fitting {
 namespace {
 
-/// A colour is differentiated along the spectrum's own derivative by a step of this share: half
-/// the digits of a smooth formula.
-constexpr double kColourStep = 1e-5;
+/// A colour, or what a sphere reads, is differentiated along the derivative of what it is made of
+/// by a step of this share: half the digits of a smooth formula.
+constexpr double kSlopeStep = 1e-5;
 
 std::vector<double> spectrum_at(const AlbedoValues& values, std::size_t in) {
     std::vector<double> spectrum;
@@ -36,6 +36,8 @@ double albedo_value(const AlbedoValues& values, MeasuredQuantity quantity,
     if (quantity == MeasuredQuantity::transmittance) {
         if (values.plane_transmittance.empty())
             throw UsageError("a transmittance needs layers on a substrate: none, black, lambert:A");
+        if (geometry == MeasuredGeometry::unscattered)
+            return values.unscattered_transmittance[w][in];
         return from_all_sides ? values.spherical_transmittance[w]
                               : values.plane_transmittance[w][in];
     }
@@ -45,6 +47,18 @@ double albedo_value(const AlbedoValues& values, MeasuredQuantity quantity,
     return geometry == MeasuredGeometry::d8_sce && has_mirror
                ? albedo - values.mirror_reflectance[w][in]
                : albedo;
+}
+
+/// What a sphere sees of a sample.
+SlabLight slab_light(const AlbedoValues& values, std::size_t w, std::size_t in) {
+    const bool passes = !values.plane_transmittance.empty();
+    const bool mirrors = !values.mirror_reflectance.empty();
+    return {.r_direct = values.plane_albedo[w][in],
+            .t_direct = passes ? values.plane_transmittance[w][in] : 0.0,
+            .r_unscattered = mirrors ? values.mirror_reflectance[w][in] : 0.0,
+            .t_unscattered = passes ? values.unscattered_transmittance[w][in] : 0.0,
+            .r_diffuse = values.spherical_albedo[w],
+            .t_diffuse = passes ? values.spherical_transmittance[w] : 0.0};
 }
 
 /// The values of a job, one kind of them after the other.
@@ -101,8 +115,31 @@ class JobSolver {
     }
 
     void add_albedos() {
-        fill(albedo(job_.directions.mu_in), [](const AlbedoValues& values, const Job::Use& use) {
-            return albedo_value(values, use.quantity, use.geometry, use.wavelength, use.in);
+        const auto with = albedo(job_.directions.mu_in);
+        fill(with, [&](const AlbedoValues& values, const Job::Use& use) {
+            const double value =
+                albedo_value(values, use.quantity, use.geometry, use.wavelength, use.in);
+            if (use.of_spheres == nullptr) return value;
+            const double nm = job_.wavelength_nm[use.wavelength];
+            const SphereMeasurement spheres = use.of_spheres->spheres->at(nm);
+            const std::map<double, LostLight>& all = use.of_spheres->lost;
+            const auto lost = all.lower_bound(nm);
+            const SlabLight light = slab_light(with.values, use.wavelength, use.in),
+                            slope = slab_light(values, use.wavelength, use.in);
+            const auto reading = [&](double step) {
+                SlabLight at = light;
+                for (const auto part :
+                     {&SlabLight::r_direct, &SlabLight::t_direct, &SlabLight::r_unscattered,
+                      &SlabLight::t_unscattered, &SlabLight::r_diffuse, &SlabLight::t_diffuse})
+                    at.*part += step * slope.*part;
+                return sphere_reading(spheres, use.quantity == MeasuredQuantity::transmittance, at,
+                                      lost == all.end() ? LostLight{} : lost->second);
+            };
+            if (&values == &with.values) return reading(0.0);
+            const double largest = std::max(std::abs(slope.r_direct), std::abs(slope.t_direct));
+            if (largest == 0.0) return 0.0;
+            const double step = kSlopeStep / largest;
+            return (reading(step) - reading(-step)) / (2.0 * step);
         });
     }
 
@@ -121,7 +158,7 @@ class JobSolver {
             double largest = 0.0;
             for (const double each : slope) largest = std::max(largest, std::abs(each));
             if (largest == 0.0) return 0.0;
-            const double step = kColourStep / largest;
+            const double step = kSlopeStep / largest;
             return (moved(step) - moved(-step)) / (2.0 * step);
         });
     }

@@ -101,7 +101,7 @@ std::vector<double> finest_of(const Job& job) {
 
 bool is_same_spectrum(const Job::Use& a, const Job::Use& b) {
     return a.quantity == b.quantity && a.geometry == b.geometry && a.in == b.in && a.out == b.out &&
-           a.azimuth == b.azimuth;
+           a.azimuth == b.azimuth && a.of_spheres == b.of_spheres;
 }
 
 }  // namespace

@@ -42,10 +42,7 @@ class RxtReader {
         read_header();
         read_columns();
         while (at_ < words_.size()) read_line();
-        if (columns_.find('u') != std::string::npos) {
-            list_.facts.emplace_back("columns not read",
-                                     "u: unscattered transmittance, no quantity here");
-        }
+        for (const auto& [nm, row] : rows_) list_.spheres->rows.push_back(row);
         return std::move(list_);
     }
 
@@ -68,20 +65,29 @@ class RxtReader {
                                                  "beam_diameter_mm",
                                                  "reflectance_of_standard",
                                                  "spheres"};
-        constexpr int kSphereNumbers = 10;  // two spheres: diameters of it and its ports, wall
         double last = 0.0;
+        double beam_mm = 0.0, standard = 1.0;
         for (const char* name : kNames) {
             last = number();
+            if (name == std::string_view("beam_diameter_mm")) beam_mm = last;
+            if (name == std::string_view("reflectance_of_standard")) standard = last;
             list_.facts.emplace_back(name, fmt::format("{:g}", last));
         }
         if (last > 0.0) {
             list_.doubts.push_back(fmt::format(
-                "{}: measured with {:g} integrating sphere{}: r and t are taken as they stand. iad "
-                "corrects them for the sphere and for light that is lost; without that the "
-                "scattering that a fit finds may be 2 times too small",
+                "{}: measured with {:g} integrating sphere{}: a fit takes r and t as they stand "
+                "unless it says sphere = \"file\"; without that the scattering that it finds may "
+                "be 2 times too small",
                 file_.path, last, last > 1.0 ? "s" : ""));
         }
-        for (int i = 0; i < kSphereNumbers; ++i) number();
+        SphereMeasurement spheres{.spheres = int(last)};
+        for (IntegratingSphere* sphere : {&spheres.above, &spheres.below})
+            for (double* part : {&sphere->diameter_mm, &sphere->sample_port_mm,
+                                 &sphere->third_port_mm, &sphere->detector_port_mm, &sphere->wall})
+                *part = number();
+        spheres.beam_mm = beam_mm;
+        spheres.above.standard = standard;
+        if (last == 1.0 || last == 2.0) list_.spheres = std::move(spheres);
     }
 
     /// "2", or letters with or without blanks: "L r t n".
@@ -98,11 +104,11 @@ class RxtReader {
         while (at_ < words_.size() && words_[at_].line == line) columns_ += words_[at_++].text;
         static constexpr std::string_view kKnown = "aAbBcCdDeEFgiLMnNqrRtSTuwW";
         const std::size_t unknown = columns_.find_first_not_of(kKnown);
-        const bool any = columns_.find_first_of("rt") != std::string::npos;
+        const bool any = columns_.find_first_of("rtu") != std::string::npos;
         if (unknown != std::string::npos || !any) {
-            refuse(
-                file_, line,
-                fmt::format("columns '{}'; allowed: letters of iad, among them r or t", columns_));
+            refuse(file_, line,
+                   fmt::format("columns '{}'; allowed: letters of iad, among them r, t or u",
+                               columns_));
         }
     }
 
@@ -110,7 +116,7 @@ class RxtReader {
         MeasuredValue value;
         value.line = words_[at_].line;
         value.geometry = MeasuredGeometry::directional;
-        double reflectance = MeasuredValue::kNone, transmittance = MeasuredValue::kNone;
+        std::map<char, double> measured;
         if (counted_) {
             // A first number above 1 is the wavelength.
             const auto first = materials::parse_number(words_[at_].text);
@@ -119,22 +125,37 @@ class RxtReader {
         for (const char column : columns_) {
             const double x = number();
             if (column == 'L') value.wavelength_nm = x;
-            if (column == 'r') reflectance = x;
-            if (column == 't') transmittance = x;
+            // iad writes 0 where u was not measured; of r and t, 0 may be a value.
+            if (column != 'u' || x != 0.0) measured[column] = x;
             if (column == 'i') value.mu_in = cosine_of(x);
         }
         // A wavelength that was there before begins another sample.
         const int repeats = std::isnan(value.wavelength_nm) ? 0 : seen_[value.wavelength_nm]++;
-        const auto add = [&](double x, MeasuredQuantity quantity) {
-            const char letter = quantity == MeasuredQuantity::reflectance ? 'r' : 't';
-            if (columns_.find(letter) == std::string::npos) return;
-            value.value = x;
-            value.quantity = quantity;
-            value.sample = sample_of(word_of(quantity), repeats);
+        if (list_.spheres && value.wavelength_nm > 0.0) {
+            const auto of_column = [&](char letter, double otherwise) {
+                const auto found = measured.find(letter);
+                return found == measured.end() ? otherwise : found->second;
+            };
+            const SphereMeasurement& all = *list_.spheres;
+            rows_.emplace(
+                value.wavelength_nm,
+                SphereRow{value.wavelength_nm, of_column('w', all.above.wall),
+                          of_column('W', all.below.wall), of_column('R', all.above.standard),
+                          of_column('T', all.below.standard)});
+        }
+        for (const auto& [letter, name] : {std::pair('r', "reflectance"),
+                                           {'t', "transmittance"},
+                                           {'u', "unscattered_transmittance"}}) {
+            const auto found = measured.find(letter);
+            if (found == measured.end()) continue;
+            value.value = found->second;
+            value.quantity =
+                letter == 'r' ? MeasuredQuantity::reflectance : MeasuredQuantity::transmittance;
+            value.geometry =
+                letter == 'u' ? MeasuredGeometry::unscattered : MeasuredGeometry::directional;
+            value.sample = sample_of(name, repeats);
             list_.values.push_back(value);
-        };
-        add(reflectance, MeasuredQuantity::reflectance);
-        add(transmittance, MeasuredQuantity::transmittance);
+        }
     }
 
     std::size_t sample_of(std::string name, int repeats) {
@@ -147,6 +168,7 @@ class RxtReader {
     const MeasuredFile& file_;
     std::vector<Word> words_;
     std::map<double, int> seen_;
+    std::map<double, SphereRow> rows_;
     std::map<std::string, std::size_t> samples_;
     std::size_t at_ = 0;
     std::string columns_;

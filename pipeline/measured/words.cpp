@@ -21,6 +21,7 @@ constexpr std::pair<std::string_view, MeasuredKind> kKinds[] = {
     {"hemispherical", {Quantity::reflectance, Geometry::hemispherical}},
     {"plane_transmittance", {Quantity::transmittance, Geometry::directional}},
     {"spherical_transmittance", {Quantity::transmittance, Geometry::hemispherical}},
+    {"unscattered_transmittance", {Quantity::transmittance, Geometry::unscattered}},
     {"brdf", {Quantity::brdf, Geometry::directions}},
     {"reflection", {Quantity::reflectance_factor, Geometry::directions}},
     {"reflectance_factor", {Quantity::reflectance_factor, Geometry::directions}},
@@ -85,6 +86,8 @@ std::string word_of(MeasuredGeometry geometry) {
             return "45-0";
         case Geometry::hemispherical:
             return "hemispherical";
+        case Geometry::unscattered:
+            return "unscattered";
         case Geometry::hdrf:
             return "hdrf";
         case Geometry::directions:

@@ -184,8 +184,22 @@ std::vector<std::string> mixable_forms() {
     return forms;
 }
 
+bool is_slide(const Species& species) { return species.kind == Species::Kind::slide; }
+
+Host host_of_slide(const Species& slide) {
+    return {{}, {slide.parameters[0], slide.parameters[1]}};
+}
+
 void require_amounts(const Medium& medium) {
     const std::string text = describe(medium);
+    const bool has_slide = std::any_of(medium.species.begin(), medium.species.end(), is_slide);
+    if (has_slide &&
+        (medium.species.size() > 1 || medium.host != host_of_slide(medium.species[0]))) {
+        throw UsageError(fmt::format(
+            "medium '{}': a slide is a layer of its own with an index of its own; write it as one, "
+            "slide:1.5@1mm, above or below the others",
+            text));
+    }
     for (const Species& species : medium.species) {
         if (species.amount && species.amount->kind == Amount::Kind::volume_fraction &&
             !kind_of(species).fills_layer && species.amount->value > kDensestPacking) {
@@ -226,6 +240,8 @@ Species species(const std::string& text) {
     const std::string before_keys = take_keys(text, !kind.given, species);
     if (!kind.has_extinction) require_particles(text, kind, species);
     read_species(before_keys, kind, species);
+    if (is_slide(species) && !species.amount)
+        species.amount = Amount{Amount::Kind::volume_fraction, 0.0};
     require_particles(text, kind, species);  // what a file takes depends on what it has
     validate_keys(species, text);
     return species;
@@ -244,6 +260,8 @@ Medium medium(const std::string& text) {
     }
     for (const std::string& part : split_mixture(mixture))
         medium.species.push_back(species(trimmed_text(part)));
+    if (is_slide(medium.species.front()) && !medium.host)
+        medium.host = host_of_slide(medium.species.front());
     require_amounts(medium);
     return medium;
 }
@@ -310,7 +328,8 @@ void validate(const Medium& medium) {
 }
 
 std::string describe(const Species& species) {
-    const std::string keys = describe_keys(species);
+    const std::string keys =
+        describe_keys(is_slide(species) ? kind_of(species).without_own_keys(species) : species);
     if (species.kind == Species::Kind::material) return species.name + keys;
     if (!species.name.empty())
         return fmt::format("{}:{}{}", kind_of(species).name, species.name, keys);
@@ -327,7 +346,9 @@ std::string describe(const Medium& medium) {
     std::string text;
     for (const Species& species : medium.species)
         text += (text.empty() ? "" : " + ") + describe(species);
-    if (medium.host) text += " in " + describe(*medium.host);
+    const bool has_own = medium.species.size() == 1 && is_slide(medium.species[0]) &&
+                         medium.host == host_of_slide(medium.species[0]);
+    if (medium.host && !has_own) text += " in " + describe(*medium.host);
     return text;
 }
 

@@ -36,18 +36,48 @@ MediumKind material() {
                 }};
 }
 
+const std::vector<MediumParameter> kIndex = {
+    {"n", "n > 0, up to 1e6", [](double n) { return n > 0.0 && n <= kLargestIndex; }},
+    {.name = "k",
+     .allowed = "k >= 0, up to 1e6",
+     .is_allowed = [](double k) { return k >= 0.0 && k <= kLargestIndex; },
+     .by_default = 0.0}};
+
+/// A layer of a host without particles (Amount 0); medium() gives it its host.
+MediumKind slide() {
+    return {.kind = Species::Kind::slide,
+            .name = "slide",
+            .form = "slide:N,K",
+            .example = "slide:1.5",
+            .help =
+                "a clear or absorbing plate, such as a slide of glass, as a layer of some "
+                "thickness: slide:1.5@1mm; its surfaces reflect, so that the scene needs a "
+                "boundary; slide:N absorbs nothing",
+            .parameters = kIndex,
+            .given =
+                [](const Species&) {
+                    return by_formula([](double) { return rte::isotropic_optics(0.0); }, 1);
+                },
+            .has_extinction = true,
+            .without_own_keys =
+                [](Species rest) {
+                    if (rest.amount && rest.amount->value == 0.0) rest.amount.reset();
+                    return rest;
+                },
+            .own_keys = "a slide has its index alone",
+            .check =
+                [](const Species& m) {
+                    if (!m.amount) throw UsageError("a slide has no particles; allowed: amount 0");
+                }};
+}
+
 MediumKind index() {
     return {.kind = Species::Kind::index,
             .name = "index",
             .form = "index:N,K",
             .example = "index:1.5,0.01",
             .help = "spheres of a constant refractive index n + ik; index:N absorbs nothing",
-            .parameters = {
-                {"n", "n > 0, up to 1e6", [](double n) { return n > 0.0 && n <= kLargestIndex; }},
-                {.name = "k",
-                 .allowed = "k >= 0, up to 1e6",
-                 .is_allowed = [](double k) { return k >= 0.0 && k <= kLargestIndex; },
-                 .by_default = 0.0}}};
+            .parameters = kIndex};
 }
 
 MediumKind table() {
@@ -244,6 +274,7 @@ const std::vector<MediumKind>& medium_kinds() {
         isotropic(),  rayleigh(), henyey_greenstein(),
         moments(),    matrix(),   double_henyey_greenstein(),
         scattering(), paste(),    turbid(),
+        slide(),
     };
     return kinds;
 }

@@ -72,6 +72,26 @@ const Host& host_of(const Scene& scene, const Medium& medium) {
     return medium.host ? *medium.host : scene.particles.host;
 }
 
+namespace {
+
+bool is_slide(const Medium& medium) { return medium.species.front().kind == Species::Kind::slide; }
+
+/// A slide without surfaces would be nothing, and one without an end hides all else.
+void require_place(const Scene& scene, const Layer& layer) {
+    if (!is_slide(layer.medium)) return;
+    if (!scene.boundary)
+        throw UsageError(fmt::format(
+            "coat '{}@{}': a slide reflects at its surfaces, and the scene has none; give the "
+            "boundary to the air: boundary smooth",
+            describe(layer.medium), describe(layer.depth)));
+    if (layer.depth.kind == Depth::Kind::thickness_um || layer.depth.value == 0.0) return;
+    throw UsageError(fmt::format("coat '{}@{}': a slide has a thickness; write {}@1mm",
+                                 describe(layer.medium), describe(layer.depth),
+                                 describe(layer.medium)));
+}
+
+}  // namespace
+
 void validate(const Scene& scene) {
     validate(scene.particles);
     if (scene.surface) rte::validate(*scene.surface);
@@ -97,6 +117,11 @@ void validate(const Scene& scene) {
         if (needs_layers && !scene.boundary) top_medium(scene);
     } else {
         validate(scene.base, scene.particles);
+        if (is_slide(scene.base))
+            throw UsageError(fmt::format(
+                "base '{0}': a slide is no half-space; write it as a coat, {0}@1mm, and what lies "
+                "below it as the base or substrate (none: air)",
+                describe(scene.base)));
     }
     for (const Layer& layer : scene.layers) {
         validate(layer.medium, scene.particles);
@@ -105,6 +130,7 @@ void validate(const Scene& scene) {
         } catch (const UsageError& error) {
             throw UsageError(fmt::format("coat {}: {}", describe(layer.medium), error.what()));
         }
+        require_place(scene, layer);
     }
 }
 

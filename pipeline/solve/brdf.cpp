@@ -144,8 +144,10 @@ AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& 
         if (solver.stokes > 1)
             values.polarised_plane_albedo.push_back(std::move(layer.polarised_plane_albedo));
         if (!scene.substrate || scene.surface) continue;
-        values.spherical_transmittance.push_back(layer.transmittance.back());
-        layer.transmittance.pop_back();
+        const auto spherical = layer.transmittance.begin() + std::ptrdiff_t(mu_in.size());
+        values.spherical_transmittance.push_back(*spherical);
+        values.unscattered_transmittance.emplace_back(spherical + 1, layer.transmittance.end());
+        layer.transmittance.resize(mu_in.size());
         values.plane_transmittance.push_back(std::move(layer.transmittance));
     }
     return values;

@@ -294,6 +294,9 @@ class WavelengthDerivatives {
             slice.values.push_back(table.spherical_albedo);
             slice.transmittance = std::move(table.transmittance);
             slice.transmittance.resize(slice.values.size(), 0.0);
+            slice.transmittance.insert(slice.transmittance.end(),
+                                       table.unscattered_transmittance.begin(),
+                                       table.unscattered_transmittance.end());
             slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
             slice.mirror_reflectance = std::move(table.mirror_reflectance);
         }

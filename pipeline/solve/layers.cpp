@@ -57,7 +57,7 @@ LayerSlice without_work(const char* method) {
 LayerSlice lossless(std::size_t incidences) {
     LayerSlice slice = without_work("closed form of layers that absorb nothing");
     slice.values.assign(incidences + 1, 1.0);
-    slice.transmittance.assign(incidences + 1, 0.0);
+    slice.transmittance.assign(2 * incidences + 1, 0.0);
     slice.polarised_plane_albedo.assign(incidences, 0.0);
     return slice;
 }
@@ -72,7 +72,7 @@ LayerSlice black(const LayerRequest& request) {
         slice.plane_albedo.assign(d.mu_in.size(), 0.0);
     } else {
         slice.values.assign(d.mu_in.size() + 1, 0.0);
-        slice.transmittance.assign(d.mu_in.size() + 1, request.scene.substrate ? 1.0 : 0.0);
+        slice.transmittance.assign(2 * d.mu_in.size() + 1, request.scene.substrate ? 1.0 : 0.0);
         slice.polarised_plane_albedo.assign(d.mu_in.size(), 0.0);
     }
     return slice;
@@ -174,6 +174,8 @@ double solve_albedos(const LayerRequest& request, const SceneOptics& optics, std
     // Nothing comes through a half-space.
     slice.transmittance.resize(slice.values.size(), 0.0);
     remove_rounding(slice.transmittance);
+    slice.transmittance.insert(slice.transmittance.end(), table.unscattered_transmittance.begin(),
+                               table.unscattered_transmittance.end());
     slice.mirror_reflectance = std::move(table.mirror_reflectance);
     slice.report.solver = table.report;
     return table.report.error_estimate;
@@ -263,7 +265,11 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
         all.values = distinct.spread_incident(slice.values);
         all.values.push_back(slice.values.back());  // the spherical albedo
         all.transmittance = distinct.spread_incident(slice.transmittance);
-        all.transmittance.push_back(slice.transmittance.back());
+        const auto spherical =
+            slice.transmittance.begin() + std::ptrdiff_t(slice.values.size()) - 1;
+        all.transmittance.push_back(*spherical);
+        for (const double t : distinct.spread_incident({spherical + 1, slice.transmittance.end()}))
+            all.transmittance.push_back(t);
     }
     if (!slice.mirror_reflectance.empty())
         all.mirror_reflectance = distinct.spread_incident(slice.mirror_reflectance);

@@ -64,7 +64,8 @@ struct LayerSlice {
     /// R at the directions, laid out as BrdfValues::Slice, or albedos as said above.
     std::vector<double> values;
     std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` and `mueller` too
-    /// Net flux into the substrate, at mu_in and of uniform light, for `albedo`.
+    /// Net flux into the substrate, at mu_in and of uniform light, then the part of it that is
+    /// unscattered at mu_in, for `albedo`.
     std::vector<double> transmittance;
     std::vector<double> mirror_reflectance;  ///< at mu_in (matrices with `mueller`); empty: none
     /// At mu_in, with polarisation: what plane_albedo changes by for light polarised in the plane

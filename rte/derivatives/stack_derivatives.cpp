@@ -325,6 +325,14 @@ std::vector<AlbedoTable> albedo_derivatives(const Stack& asked,
         }
         table.mirror_reflectance =
             mirror_slope(change, question.mu_in, {question.components, true});
+        ScaledStack exact;
+        AlbedoTable below;
+        find_unscattered(change.plus, question.mu_in, question.components, exact,
+                         table.unscattered_transmittance);
+        find_unscattered(change.minus, question.mu_in, question.components, exact,
+                         below.unscattered_transmittance);
+        table.unscattered_transmittance = slope(table.unscattered_transmittance,
+                                                below.unscattered_transmittance, change.apart);
     }
     return tables;
 }

@@ -50,6 +50,13 @@ struct MediumReturns {
     Light at_top() const { return returned * (attenuation * attenuation); }
 };
 
+template <typename Light>
+Light of_mirror(const ScaledStack& stack, double mu) {
+    return stack.base == BaseKind::mirror
+               ? Fresnel<Light>::reflected(stack.ground_index, stack.mirror_index, mu)
+               : Light{};
+}
+
 // From the bottom up.
 // @param cosine_in  of the beam in a medium, by its index; 0: it does not get there
 // @return what comes back at the top of the topmost medium
@@ -57,11 +64,7 @@ template <typename Light, typename CosineIn>
 Light find_returns(const ScaledStack& stack, const CosineIn& cosine_in,
                    std::vector<MediumReturns<Light>>& returns) {
     double below_index = stack.ground_index;
-    Light from_below = {};
-    if (stack.base == BaseKind::mirror) {
-        from_below =
-            Fresnel<Light>::reflected(below_index, stack.mirror_index, cosine_in(below_index));
-    }
+    Light from_below = of_mirror<Light>(stack, cosine_in(below_index));
     returns.reserve(stack.media.size());
     for (const ScaledMedium& medium : stack.media) {
         MediumReturns<Light>& here = returns.emplace_back();
@@ -117,9 +120,28 @@ Light mirror_reflection(const ScaledStack& stack, double mu_air) {
     return with_boundary(reflected_between<Light>(1.0, stack.top_index, mu_air), below);
 }
 
+template <typename Light>
+Light straight_transmission(const ScaledStack& stack, double mu_air) {
+    const Light whole = Fresnel<Light>::whole;
+    std::vector<MediumReturns<Light>> returns;
+    const Light top = find_returns<Light>(stack, from_air(mu_air), returns);
+    const Light mirror = of_mirror<Light>(stack, refracted_cosine(stack.ground_index, mu_air));
+    const Light r = reflected_between<Light>(1.0, stack.top_index, mu_air);
+    Light down = Fresnel<Light>::passed(r) / (whole - r * top);
+    for (std::size_t i = returns.size(); i-- > 0;) {
+        const MediumReturns<Light>& here = returns[i];
+        const Light below = i > 0 ? returns[i - 1].at_top() : mirror;
+        down = down * here.attenuation * Fresnel<Light>::passed(here.step) /
+               (whole - here.step * below);
+    }
+    return down * Fresnel<Light>::passed(mirror);
+}
+
 template std::vector<Beam<double>> beams_of(const ScaledStack&, double);
 template std::vector<Beam<FresnelMatrix>> beams_of(const ScaledStack&, double);
 template double mirror_reflection(const ScaledStack&, double);
 template FresnelMatrix mirror_reflection(const ScaledStack&, double);
+template double straight_transmission(const ScaledStack&, double);
+template FresnelMatrix straight_transmission(const ScaledStack&, double);
 
 }  // namespace miebrdf::rte

@@ -29,6 +29,11 @@ std::vector<Beam<Light>> beams_of(const ScaledStack& stack, double mu_air);
 template <typename Light>
 Light mirror_reflection(const ScaledStack& stack, double mu_air);
 
+/// The share of light from a direction in air that enters what lies below all media, be it a
+/// ground, a mirror or air, without being scattered.
+template <typename Light>
+Light straight_transmission(const ScaledStack& stack, double mu_air);
+
 /// The share of light under the topmost boundary that comes back without being scattered.
 /// @param mu  in the topmost medium
 double unscattered_return(const ScaledStack& stack, double mu);
@@ -37,5 +42,7 @@ extern template std::vector<Beam<double>> beams_of(const ScaledStack&, double);
 extern template std::vector<Beam<FresnelMatrix>> beams_of(const ScaledStack&, double);
 extern template double mirror_reflection(const ScaledStack&, double);
 extern template FresnelMatrix mirror_reflection(const ScaledStack&, double);
+extern template double straight_transmission(const ScaledStack&, double);
+extern template FresnelMatrix straight_transmission(const ScaledStack&, double);
 
 }  // namespace miebrdf::rte

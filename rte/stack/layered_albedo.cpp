@@ -94,6 +94,8 @@ void find_albedos(const AlbedoRequest& request, const std::vector<double>& mu_in
     table.transmittance.assign(spherical + 1, solution.values.end());
     find_mirror_reflectances(request.stack, mu_in, {request.components, true}, kept.exact,
                              table.mirror_reflectance);
+    find_unscattered(request.stack, mu_in, request.components, kept.exact,
+                     table.unscattered_transmittance);
     table.report = solution.report;
 }
 

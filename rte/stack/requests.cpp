@@ -94,6 +94,18 @@ void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_
     }
 }
 
+void find_unscattered(const Stack& stack, const std::vector<double>& mu_in, int components,
+                      ScaledStack& exact, std::vector<double>& shares) {
+    shares.assign(mu_in.size(), 0.0);
+    if (lowest_kind(stack) == BaseKind::half_space) return;
+    scale_stack(stack, 1, false, NarrowPart::ignored, exact);
+    if (exact.boundary && exact.boundary->is_rough()) return;  // facets turn all of it
+    for (std::size_t i = 0; i < mu_in.size(); ++i)
+        shares[i] = components == 1
+                        ? straight_transmission<double>(exact, mu_in[i])
+                        : mueller_of(straight_transmission<FresnelMatrix>(exact, mu_in[i]))(0, 0);
+}
+
 std::vector<double> elements_last(std::vector<double> values, std::size_t elements,
                                   std::size_t azimuths) {
     if (elements == 1) return values;

@@ -30,4 +30,9 @@ void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_
                               const SolvedLight& light, ScaledStack& exact,
                               std::vector<double>& reflectances);
 
+/// AlbedoTable::unscattered_transmittance, likewise.
+/// @param shares  overwritten
+void find_unscattered(const Stack& stack, const std::vector<double>& mu_in, int components,
+                      ScaledStack& exact, std::vector<double>& shares);
+
 }  // namespace miebrdf::rte

@@ -17,7 +17,7 @@ TEST_CASE("the embedded database holds the rows of the collections' own files",
     const Database database = Database::embedded();
     const std::filesystem::path folder = MIEBRDF_MATERIALS_DATA;
     std::size_t files = 0;
-    for (const char* collection : {"sopra", "rii", "snicar", "pigments", "minerals"}) {
+    for (const char* collection : {"sopra", "rii", "snicar", "pigments", "minerals", "literature"}) {
         for (const auto& entry : std::filesystem::directory_iterator(folder / collection)) {
             const Dataset source = read_file(entry.path());
             CAPTURE(entry.path());
@@ -30,8 +30,8 @@ TEST_CASE("the embedded database holds the rows of the collections' own files",
             ++files;
         }
     }
-    CHECK(files == 110);
-    CHECK(database.list().size() == 105);
+    CHECK(files == 114);
+    CHECK(database.list().size() == 109);
     CHECK(database.integrity_problems().empty());
     // Rows of GAP.NK, and wavelengths where a table resampled at 5 nm was off by half.
     const RefractiveIndex gap = database.refractive_index("GaP");
@@ -52,6 +52,28 @@ TEST_CASE("the embedded database holds the rows of the collections' own files",
     CHECK(database.refractive_index("air").at(550).real() == Approx(1.00027784).margin(2e-8));
     // Formulas are kept as formulas.
     CHECK(database.dataset("CaCO3").n->formula == 2);
+}
+
+TEST_CASE("words of everyday language say what stands for them, by names that are there",
+          "[materials][names]") {
+    const Database database = Database::embedded();
+    for (const char* text :
+         {"snow", "chalk", "gypsum", "ochre", "sand", "basalt", "olivine", "regolith", "milk",
+          "fat", "oil", "Intralipid", "Teflon", "PTFE", "mica", "iron", "carbon", "casein"}) {
+        CAPTURE(text);
+        const auto word = common_word(text);
+        REQUIRE(word);
+        CHECK(word->meaning.size() > 20);
+        for (const std::string& name : word->materials) CHECK(database.info(name).name == name);
+    }
+    CHECK(!common_word("word"));
+    CHECK(!common_word("TiO2"));
+    // van Staveren et al. (1991) at 500 nm; Michalski et al. (2001) at 633 nm.
+    CHECK(database.refractive_index("soybean_oil").at(500).real() ==
+          Approx(1.451 + 1.154e4 / 25e4 - 1.132e9 / 625e8).epsilon(1e-12));
+    CHECK(database.refractive_index("milk_fat").at(633) == std::complex<double>(1.460, 1e-5));
+    // Dorschner et al. (1995), their row at 1 um.
+    CHECK(database.refractive_index("olivine_amorphous").at(1000).imag() == Approx(0.068667));
 }
 
 TEST_CASE("materials are found by the names people write", "[materials][names]") {

@@ -44,11 +44,28 @@ TEST_CASE("an rxt file has reflectance and transmittance, by letters or by their
 TEST_CASE("an rxt file may say the angle, and repeat a wavelength for another sample",
           "[measured][rxt]") {
     const Measurements list = read_text(kHeader + "L i r u\n650 60 0.2 0.1\n650 60 0.3 0.1\n");
-    REQUIRE(list.values.size() == 2);
+    REQUIRE(list.values.size() == 4);
     CHECK(list.values[0].mu_in == Approx(0.5));
-    CHECK(list.samples == std::vector<std::string>{"reflectance", "reflectance 2"});
-    CHECK_THAT(fact_of(list, "columns not read"), Catch::Contains("unscattered"));
+    CHECK(list.samples == std::vector<std::string>{"reflectance", "unscattered_transmittance",
+                                                   "reflectance 2", "unscattered_transmittance 2"});
+    CHECK(list.values[1].geometry == MeasuredGeometry::unscattered);
     CHECK(list.doubts.size() == 1);  // of the sphere
+}
+
+TEST_CASE("an rxt file says what its spheres are, and what differs between its wavelengths",
+          "[measured][rxt]") {
+    const Measurements list =
+        read_text(kHeader + "L r t w R\n600 0.3 0.1 0.97 0.99\n500 0.3 0.1 0.95 0.97\n");
+    REQUIRE(list.spheres);
+    CHECK(list.spheres->spheres == 1);
+    CHECK(list.spheres->beam_mm == 10);
+    CHECK(list.spheres->above.detector_port_mm == 8);
+    CHECK(list.spheres->below.third_port_mm == 0);
+    CHECK(list.spheres->above.standard == 0.98);
+    const SphereMeasurement between = list.spheres->at(550);
+    CHECK(std::abs(between.above.wall - 0.96) <= 1e-15);
+    CHECK(std::abs(between.above.standard - 0.98) <= 1e-15);
+    CHECK(between.below.wall == 0.98);
 }
 
 TEST_CASE("damaged rxt files are refused with their line", "[measured][rxt][errors]") {

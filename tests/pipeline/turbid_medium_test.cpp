@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "pipeline/solve/resolved_scene.h"
@@ -234,4 +235,67 @@ TEST_CASE("pastes and turbid media refuse what they cannot have", "[pipeline][tu
         medium("paste:" + paste_file(folder, "v.csv",
                                      "# volume: 0\nwavelength_nm,mu_s_reduced,mu_a\n500,1,1\n")),
         Catch::Contains("above 0"));
+}
+
+TEST_CASE("slides above and below a turbid film reflect, absorb and pass as iad has them",
+          "[pipeline][turbid]") {
+    // Scott Prahl's iad 4.0.0 with 32 (36) directions, to the digits that it prints: -z -a 0.9 -b 1
+    // -g 0.8 -n 1.4 -N 1.5, and -A 0.1 -j 1 -g 0 -n 1.34 -N 1.45 -E 0.1 (depth of each slide) at
+    // normal incidence and at 60 degrees. Its single terms of polarisation are averaged at each
+    // surface, which at 60 degrees counts in the last digit.
+    const double k = 0.1 * 550e-6 / (4.0 * std::numbers::pi);  // depth 0.1 in 1 mm at 550 nm
+    struct Case {
+        std::string slide, film;
+        double mu_in, r, r_u, t, t_u;
+    };
+    const Case cases[] = {
+        {"slide:1.5", "turbid:0.1,0.18,0.8 in index:1.4", 1.0, .1064, .0462, .7190, .3383},
+        {fmt::format("slide:1.45,{}", k), "turbid:0.1,1,0 in index:1.34", 1.0, .1789, .0374, .3815,
+         .2537},
+        {fmt::format("slide:1.45,{}", k), "turbid:0.1,1,0 in index:1.34", 0.5, .2376, .0845, .2896,
+         .1552}};
+    for (const auto& [slide, film, mu_in, r, r_u, t, t_u] : cases) {
+        CAPTURE(slide, mu_in);
+        Scene scene;
+        scene.substrate = substrate("none");
+        scene.boundary = rte::Boundary{};
+        scene.layers = {layer(slide + "@1mm"), layer(film + "@1mm"), layer(slide + "@1mm")};
+        const auto values = solve(scene, {550}, {.tolerance = 1e-6, .stokes = 1}).albedo({mu_in});
+        CHECK(std::abs(values.plane_albedo[0][0] - r) <= 0.6e-4);
+        CHECK(std::abs(values.mirror_reflectance[0][0] - r_u) <= 0.6e-4);
+        CHECK(std::abs(values.plane_transmittance[0][0] - t) <= 0.6e-4);
+        CHECK(std::abs(values.unscattered_transmittance[0][0] - t_u) <= 0.6e-4);
+    }
+}
+
+TEST_CASE("unscattered light follows Beer's law, also in its derivative", "[pipeline][turbid]") {
+    Scene film;
+    film.substrate = substrate("black");
+    film.layers = {layer("hg:0.9,0.7@{tau=2}")};
+    const auto all = solve(film, {550}).derivatives({"tau"}).albedo({0.5, 0.5, 1.0});
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double mu = all.values.mu_in[i], truth = std::exp(-2.0 / mu);
+        CHECK(std::abs(all.values.unscattered_transmittance[0][i] / truth - 1.0) <= 1e-12);
+        CHECK(std::abs(all.derivatives[0].unscattered_transmittance[0][i] / (-truth / mu) - 1.0) <=
+              1e-6);
+    }
+}
+
+TEST_CASE("slides are refused where they cannot stand, with what to write",
+          "[pipeline][turbid][errors]") {
+    CHECK(describe(medium("slide:1.5,1e-6")) == "slide:1.5,1e-06");
+    CHECK(medium(describe(medium("slide:1.5"))) == medium("slide:1.5"));
+    CHECK_THROWS_WITH(medium("slide:1.5 in PMMA"), Catch::Contains("layer of its own"));
+    CHECK_THROWS_WITH(medium("slide:1.5 + TiO2,volume=1%"), Catch::Contains("layer of its own"));
+    CHECK_THROWS_WITH(medium("slide:1.5,volume=10%"), Catch::Contains("index alone"));
+    CHECK_THROWS_WITH(medium("slide:-1"), Catch::Contains("n > 0"));
+    Scene scene = film_of("slide:1.5@1mm");
+    CHECK_THROWS_WITH(solve(scene, {550}), Catch::Contains("boundary smooth"));
+    scene.boundary = rte::Boundary{};
+    CHECK_NOTHROW(solve(scene, {550}));
+    scene.layers = {layer("slide:1.5@0.1")};
+    CHECK_THROWS_WITH(solve(scene, {550}), Catch::Contains("slide:1.5,0@1mm"));
+    scene = {};
+    scene.base = medium("slide:1.5");
+    CHECK_THROWS_WITH(solve(scene, {550}), Catch::Contains("half-space"));
 }

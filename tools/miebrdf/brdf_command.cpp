@@ -228,6 +228,7 @@ void for_each_albedo(const AlbedoValues& values, std::size_t w, std::size_t i,
     if (!values.plane_transmittance.empty()) {
         add("plane_transmittance", values.plane_transmittance[w][i]);
         add("spherical_transmittance", values.spherical_transmittance[w]);
+        add("unscattered_transmittance", values.unscattered_transmittance[w][i]);
     }
     if (!values.mirror_reflectance.empty())
         add("mirror_reflectance", values.mirror_reflectance[w][i]);

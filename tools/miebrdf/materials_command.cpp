@@ -106,11 +106,23 @@ std::string nearest_of(const Database& database, const std::string& text) {
 
 int run_search(const SearchArguments& arguments, const Shell& shell) {
     const Database database = arguments.database.open();
-    const std::vector<MaterialInfo> found = database.search(filter_of(arguments));
+    std::vector<MaterialInfo> found = database.search(filter_of(arguments));
+    const std::optional<materials::CommonWord> word = materials::common_word(arguments.text);
+    if (word) {
+        std::vector<MaterialInfo> first;
+        for (const std::string& name : word->materials) first.push_back(database.info(name));
+        std::erase_if(found, [&](const MaterialInfo& one) {
+            return std::find(word->materials.begin(), word->materials.end(), one.name) !=
+                   word->materials.end();
+        });
+        found.insert(found.begin(), first.begin(), first.end());
+    }
     Table table = table_of(found);
+    if (word) table.facts.emplace_back(word->word, word->meaning);
     limit_rows(table, arguments.limit, shell);
     shell.write(std::move(table));
-    if (!found.empty()) return kGood;
+    if (word) shell.note(word->word + ": " + word->meaning);
+    if (word || !found.empty()) return kGood;
     const std::string nearest = nearest_of(database, arguments.text);
     shell.note(fmt::format("nothing fits '{}'{}", arguments.text,
                            nearest.empty() ? "" : "; did you mean " + nearest + "?"));

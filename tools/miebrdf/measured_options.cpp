@@ -92,8 +92,9 @@ void MeasuredArguments::add_to(CLI::App& command) {
     option(*group, "--column", options_.column, "NAME", "read one column or sample only");
     option(*group, "--quantity", options_.quantity, "WORD",
            "what the values are, whatever the file says: plane_albedo, spherical_albedo, "
-           "hemispherical, plane_transmittance, spherical_transmittance, brdf, reflectance_factor, "
-           "hdrf, d8-sci, d8-sce, 45-0, reflectance, transmittance");
+           "hemispherical, plane_transmittance, spherical_transmittance, "
+           "unscattered_transmittance, brdf, reflectance_factor, hdrf, "
+           " d8-sci, d8-sce, 45-0, reflectance, transmittance");
     auto* percent = group->add_flag("--percent", percent_, "the values are percent");
     group->add_flag("--shares", shares_, "the values are fractions of 1, whatever the file says")
         ->excludes(percent);

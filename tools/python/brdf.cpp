@@ -69,6 +69,7 @@ py::dict columns_of(const AlbedoValues& values, std::size_t cosines) {
     columns["spherical_transmittance"] = values.spherical_transmittance.empty()
                                              ? py::object(py::none())
                                              : array_of(values.spherical_transmittance);
+    columns["unscattered_transmittance"] = table(values.unscattered_transmittance);
     columns["mirror_reflectance"] = table(values.mirror_reflectance);
     return columns;
 }

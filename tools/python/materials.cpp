@@ -167,6 +167,12 @@ void bind_materials(py::module_& module) {
         .def_property_readonly("shortest_nm", &RefractiveIndex::shortest_nm)
         .def_property_readonly("longest_nm", &RefractiveIndex::longest_nm)
         .def_property_readonly("k_known", &RefractiveIndex::k_known);
+    module.def("common_word", [](const std::string& text) -> py::object {
+        const auto word = common_word(text);
+        if (!word) return py::none();
+        return py::dict(py::arg("word") = word->word, py::arg("materials") = word->materials,
+                        py::arg("meaning") = word->meaning);
+    });
     const auto unlocked = py::call_guard<py::gil_scoped_release>();
     py::class_<Database>(module, "Database")
         .def_static("embedded", &Database::embedded, unlocked)

@@ -1,6 +1,7 @@
 // Measurements: <miebrdf/measured.h>.
 #include <miebrdf/measured.h>
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -65,9 +66,27 @@ py::dict read(const std::string& path, const std::string& format, const std::str
     return facts;
 }
 
+/// @param light  the members of SlabLight, in their order, at each wavelength and incidence
+std::vector<double> read_sphere(const std::map<std::string, double>& sphere,
+                                const std::map<std::string, double>& other, bool transmitted,
+                                const std::array<std::vector<double>, 6>& light) {
+    SphereMeasurement spheres{.spheres = other.empty() ? 1 : 2};
+    for (const auto& [word, value] : sphere) set_sphere_word(spheres, word, value);
+    for (const auto& [word, value] : other) set_sphere_word(spheres, word, value, true);
+    validate(spheres);
+    std::vector<double> readings;
+    for (std::size_t i = 0; i < light[0].size(); ++i)
+        readings.push_back(sphere_reading(
+            spheres, transmitted,
+            {light[0][i], light[1][i], light[2][i], light[3][i], light[4][i], light[5][i]}));
+    return readings;
+}
+
 }  // namespace
 
 void bind_measured(py::module_& module) {
+    module.def("sphere_reading", &read_sphere, py::arg("sphere"), py::arg("other"),
+               py::arg("transmitted"), py::arg("light"));
     module.def("read_measured", &read, py::arg("path"), py::arg("format"), py::arg("column"),
                py::arg("quantity"), py::arg("percent"), py::arg("numbers"), py::arg("azimuth_zero"),
                py::arg("wavelengths"));

@@ -96,6 +96,15 @@ struct MaterialInfo {
     std::string density_source;  ///< where the density is from
 };
 
+/// A word that names no material of the database, such as snow or milk.
+struct CommonWord {
+    std::string word = {};
+    std::vector<std::string> materials = {};  ///< of the embedded database, that stand for it
+    std::string meaning = {};  ///< why they do and in which words of a medium, or what is lacking
+};
+/// Nothing for other words.
+std::optional<CommonWord> common_word(const std::string& text);
+
 /// Conditions on a material; all conditions hold together.
 struct SearchFilter {
     std::string

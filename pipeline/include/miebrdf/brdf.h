@@ -168,6 +168,8 @@ class AlbedoValues : public ResultReport {
     /// For scenes on a substrate without a surface: net flux into what lies below the layers.
     std::vector<std::vector<double>> plane_transmittance;  ///< [wavelength][mu_in]
     std::vector<double> spherical_transmittance;           ///< [wavelength]
+    /// The part of plane_transmittance that has gone straight: reflected, perhaps, never scattered.
+    std::vector<std::vector<double>> unscattered_transmittance;  ///< [wavelength][mu_in]
 
     /// The plane albedo. @throws UsageError  for an index beyond its list
     double at(std::size_t wavelength, std::size_t in) const;

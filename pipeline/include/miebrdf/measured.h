@@ -39,6 +39,7 @@ enum class MeasuredGeometry {
     d8_sce,         ///< at 8 degrees without the mirror part: specular excluded
     d45_0,          ///< light from 45 degrees, seen from above
     hemispherical,  ///< light from all sides alike
+    unscattered,    ///< of a transmittance: light from mu_in, what passes straight on
     hdrf,           ///< under sun and sky, seen from mu_out
     directions,     ///< mu_in, mu_out, azimuth
 };
@@ -52,7 +53,8 @@ struct MeasuredKind {
 };
 
 /// The kind that a word names: plane_albedo, spherical_albedo, hemispherical, plane_transmittance,
-/// spherical_transmittance, brdf, reflection, reflectance_factor, hdrf, d8-sci, d8-sce, 45-0, lab
+/// spherical_transmittance,
+/// unscattered_transmittance, brdf, reflection, reflectance_factor, hdrf, d8-sci, d8-sce, 45-0, lab
 /// (its L*), reflectance, transmittance.
 /// @throws UsageError  naming them
 MeasuredKind measured_kind(std::string_view word);
@@ -77,6 +79,62 @@ struct MeasuredValue {
     int line = 0;                          ///< of the file; 0: it has none
 };
 
+/// An integrating sphere: diameters in mm of it and its ports, diffuse reflectances in [0, 1].
+struct IntegratingSphere {
+    double diameter_mm = 0.0, sample_port_mm = 0.0, detector_port_mm = 0.0;
+    double third_port_mm = 0.0;  ///< where light enters, or leaves straight; 0: there is wall
+    double wall = 0.0, detector = 0.0;
+    double standard = 1.0;  ///< in place of the sample; of a transmittance at the third port
+    bool baffle = true;     ///< between sample and detector
+};
+
+/// Shares of the light that a sample returns (r) and passes (t): of a beam, the unscattered part
+/// included; that part; of diffuse light.
+struct SlabLight {
+    double r_direct = 0.0, t_direct = 0.0, r_unscattered = 0.0, t_unscattered = 0.0;
+    double r_diffuse = 0.0, t_diffuse = 0.0;
+};
+
+/// Shares of the light that leave the sample beside its ports: of a beam, of diffuse light on its
+/// upper port, and (below) on its lower port.
+struct LostLight {
+    double r_direct = 0.0, t_direct = 0.0;
+    double r_diffuse = 0.0, t_diffuse = 0.0, r_diffuse_below = 0.0;
+};
+
+/// Numbers of the spheres that differ from wavelength to wavelength.
+struct SphereRow {
+    double wavelength_nm = 0.0;
+    double wall_above = 0.0, wall_below = 0.0, standard_above = 1.0, standard_below = 1.0;
+};
+
+/// How spheres measured a sample: by substitution, a standard in its place before or after.
+struct SphereMeasurement {
+    IntegratingSphere above = {}, below = {};  ///< of reflectances; of transmittances
+    int spheres = 1;  ///< 2: both at once; 0: dual beam, the sphere cancels out
+    /// Shares of the unscattered light that the sphere gets; below 1 by an open port.
+    double unscattered_reflectance = 1.0, unscattered_transmittance = 1.0;
+    double hits_wall = 0.0;            ///< share of the beam that misses the sample
+    double beam_mm = 0.0;              ///< diameter; 0: a point
+    bool as_iad = false;               ///< normalised as iad 3 and 4 do (docs/fitting.md)
+    std::vector<SphereRow> rows = {};  ///< wavelengths ascending, linear between them
+
+    SphereMeasurement at(double wavelength_nm) const;
+};
+
+/// The reflectance, or transmittance, that is read off. @pre validate(spheres)
+double sphere_reading(const SphereMeasurement& spheres, bool transmitted, const SlabLight& light,
+                      const LostLight& lost = {});
+/// Sets a number by its word: diameter, sample_port, third_port, detector_port (mm), wall,
+/// detector, standard, baffle and dual_beam (0 or 1), unscattered_reflectance,
+/// unscattered_transmittance, hits_wall, beam (mm).
+/// @param other  of the sphere below alone
+/// @throws UsageError  for unknown words, and numbers out of range
+void set_sphere_word(SphereMeasurement& spheres, const std::string& word, double value,
+                     bool other = false);
+/// @throws UsageError  for a sphere without a size, a port or a wall
+void validate(const SphereMeasurement& spheres);
+
 /// The content of a file.
 struct Measurements {
     std::string file, format;
@@ -86,6 +144,7 @@ struct Measurements {
     std::vector<std::pair<std::string, std::string>> facts = {};
     /// Sentences about what may be wrong, with the line and what would help.
     std::vector<std::string> doubts = {};
+    std::optional<SphereMeasurement> spheres = {};  ///< that measured, where the file says so
 };
 
 /// How a file is read; everything may be left as it is.

@@ -139,7 +139,8 @@ struct Species {
         double_henyey_greenstein,
         scattering,
         paste,
-        turbid
+        turbid,
+        slide
     };
     Kind kind = Kind::material;
     /// material: NAME or source:KEY; what is read from a file: its path; table: any
@@ -187,7 +188,7 @@ struct Medium {
 /// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
 /// `hg:ALBEDO,G`, `hg:FILE`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE`, `matrix:FILE`,
 /// `scattering:FILE`, `paste:FILE`, `paste:NAME` (read here; names of materials are looked up by
-/// solve()), `turbid:MU_A,MU_S_REDUCED,G`, then sizes and amounts of its own:
+/// solve()), `turbid:MU_A,MU_S_REDUCED,G`, `slide:N,K` (a layer alone), then sizes and amounts of its own:
 /// `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
 /// @throws InputError  for a moments file that is missing or wrong

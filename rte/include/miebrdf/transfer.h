@@ -83,6 +83,9 @@ struct AlbedoTable {
     /// Net flux into what lies below the layers, where that is a ground or nothing: one for each
     /// mu_in, then that of uniform light. Empty for half-spaces.
     std::vector<double> transmittance;
+    /// The part of it that nothing has scattered, at each mu_in; 0 for half-spaces and below rough
+    /// boundaries.
+    std::vector<double> unscattered_transmittance;
     /// At each mu_in what is reflected into the mirror direction and nowhere else, of unpolarised
     /// light; empty where there is none.
     std::vector<double> mirror_reflectance;

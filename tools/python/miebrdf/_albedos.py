@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypedDict
 
 import numpy as np
@@ -113,6 +114,99 @@ class Albedos:
         """
         axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
         return self._albedo("mirror_reflectance", axes.arrays[0].reshape(-1).tolist(), axes)
+
+    def unscattered_transmittance(
+        self, mu_in: ArrayLike | None = None, *, theta_in_deg: ArrayLike | None = None
+    ) -> Values:
+        """What passes the layers without being scattered, a part of the plane transmittance.
+
+        Parameters
+        ----------
+        mu_in, theta_in_deg : float or array
+            Cosines of incidence in (0, 1], or angles in [0, 90).
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            In [0, 1], of shape ``(wavelengths, *shape of mu_in)``.
+
+        Raises
+        ------
+        UsageError
+            For scenes without a substrate, and with a rough surface.
+
+        Examples
+        --------
+        >>> film = Scene(substrate="none", coats=["hg:0.9,0.4@2"]).solve(550)
+        >>> film.unscattered_transmittance(1.0)
+        """
+        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
+        return self._albedo("unscattered_transmittance", axes.arrays[0].reshape(-1).tolist(), axes)
+
+    def sphere_reading(
+        self,
+        mu_in: ArrayLike | None = None,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        sphere: Mapping[str, float],
+        other_sphere: Mapping[str, float] | None = None,
+        transmitted: bool = False,
+    ) -> Values:
+        """The reflectance or transmittance that an integrating sphere reads of this sample.
+
+        Light that leaves the sample beside the ports is not counted.
+
+        Parameters
+        ----------
+        mu_in, theta_in_deg : float or array
+            Of the beam: cosines of incidence in (0, 1], or angles in [0, 90).
+        sphere : mapping
+            Numbers by their words: diameter, sample_port, third_port, detector_port (mm), wall,
+            detector, standard (reflectances), baffle, dual_beam (True, False),
+            unscattered_reflectance, unscattered_transmittance, hits_wall (shares).
+        other_sphere : mapping, optional
+            The second of two spheres that measure at once, below the sample.
+        transmitted : bool
+            The transmittance, of a scene on a substrate.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            Of shape ``(wavelengths, *shape of mu_in)``.
+
+        Raises
+        ------
+        UsageError
+            For words and numbers that are wrong, with what is allowed.
+
+        Examples
+        --------
+        >>> slab = Scene(substrate="none", coats=["turbid:0.01,1@1mm"]).solve(600)
+        >>> slab.sphere_reading(1.0, sphere={"diameter": 200, "sample_port": 25, "wall": 0.97})
+        """
+        axes = broadcast({"mu_in": cosine("in", mu_in, theta_in_deg)})
+        with Call(*self._call) as options:
+            columns, facts = self._solved.albedo(axes.arrays[0].reshape(-1).tolist(), options)
+        report = Report(**facts)
+        report.warn()
+        shape = columns["plane_albedo"].shape
+        light = []
+        for name in ("plane_albedo", "plane_transmittance", "mirror_reflectance",
+                     "unscattered_transmittance", "spherical_albedo", "spherical_transmittance"):  # fmt: skip
+            column = columns[name]
+            full = np.zeros(shape) if column is None else np.asarray(column)
+            full = full if full.ndim == 2 else np.repeat(full[:, None], shape[1], axis=1)
+            light.append(full.reshape(-1).tolist())
+        readings = _core.sphere_reading(
+            {word: float(value) for word, value in sphere.items()},
+            {word: float(value) for word, value in (other_sphere or {}).items()},
+            transmitted,
+            light,
+        )
+        name = "sphere_transmittance" if transmitted else "sphere_reflectance"
+        values = np.asarray(readings).reshape([shape[0], *axes.shape])
+        attributes = {"units": "1", **self._scene_attributes(), **report.attributes()}
+        return at_wavelengths(values, self._nm, self._single, axes, attributes, name)
 
     def spherical_albedo(self, *, transmitted: bool = False) -> Values:
         """Share that is reflected of light from all directions alike; one for each wavelength.

@@ -432,6 +432,13 @@ class BrdfFile:
     def evaluate(self, mu_in: _Floats, mu_out: _Floats, azimuth_deg: _Floats) -> _Floats: ...
 
 def check(path: str) -> dict[str, Any]: ...
+def sphere_reading(
+    sphere: dict[str, float],
+    other: dict[str, float],
+    transmitted: bool,
+    light: Sequence[Sequence[float]],
+) -> list[float]: ...
+def common_word(text: str) -> dict[str, Any] | None: ...
 def read_measured(
     path: str,
     format: str,

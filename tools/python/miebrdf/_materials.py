@@ -243,6 +243,25 @@ class Materials:
     def __len__(self) -> int:
         return len(self._open().list())
 
+    def meaning(self, word: str) -> dict[str, Any] | None:
+        """What stands for a word that names no material, such as snow or milk, and why.
+
+        Parameters
+        ----------
+        word : str
+
+        Returns
+        -------
+        dict or None
+            word, materials (names in this database), meaning; None for other words.
+
+        Examples
+        --------
+        >>> miebrdf.materials.meaning("snow")["materials"]
+        ['H2O_ice']
+        """
+        return _core.common_word(word)
+
     def search(
         self,
         text: str = "",

@@ -90,7 +90,8 @@ def read_measured(
         A format by name, and one sample or column alone.
     quantity : str
         What the values are, in place of what the file says: plane_albedo, spherical_albedo,
-        hemispherical, plane_transmittance, spherical_transmittance, brdf, reflectance_factor,
+        hemispherical, plane_transmittance, spherical_transmittance,
+        unscattered_transmittance, brdf, reflectance_factor,
         hdrf, d8-sci, d8-sce, 45-0, reflectance, transmittance.
     percent : bool, optional
         Whether the values are percent; by default as the file says, else shares of 1.

@@ -13,6 +13,7 @@
 #include <miebrdf/measured.h>
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -73,8 +74,13 @@ struct FitData {
     double band_width_nm = 0.0;
     /// Errors of neighbours in a spectrum are correlated by exp(-distance / this); 0: independent.
     double correlation_length_nm = 0.0;
-    double diffuse_fraction = 0.0;  ///< of hdrf, in [0, 1]
-    Viewing viewing = {};           ///< of Lab, of the plane albedo over 400 to 700 nm
+    /// That made the values, of plane albedos and transmittances: they are what it reads.
+    std::optional<SphereMeasurement> spheres = {};
+    /// Light that leaves the sample beside the ports of its spheres is traced and taken off.
+    bool lost_light = false;
+    std::map<double, LostLight> lost = {};  ///< by wavelength in nm
+    double diffuse_fraction = 0.0;                        ///< of hdrf, in [0, 1]
+    Viewing viewing = {};  ///< of Lab, of the plane albedo over 400 to 700 nm
 };
 
 /// How residuals beyond a few sigma count: as their square, linearly (Huber),
