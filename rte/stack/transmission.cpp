@@ -32,7 +32,7 @@ std::vector<std::size_t> scattering_media(const ScaledStack& stack) {
 /// Upward light of one Fourier order on top of what has been solved, for a beam from below in each
 /// requested direction, columns: with U = 2 D T at the nodes, T between requested cosines, and the
 /// share e of the beam that is left.
-class Emission : public StackFollower {
+class Emission final : public StackFollower {
   public:
     void follow(const StackStep& step) override {
         if (step.kind == StackStep::Kind::ground) start(step);

@@ -94,7 +94,7 @@ void MeasuredArguments::add_to(CLI::App& command) {
            "what the values are, whatever the file says: plane_albedo, spherical_albedo, "
            "hemispherical, plane_transmittance, spherical_transmittance, "
            "unscattered_transmittance, brdf, reflectance_factor, hdrf, "
-           " d8-sci, d8-sce, 45-0, reflectance, transmittance");
+           "d8-sci, d8-sce, 45-0, reflectance, transmittance");
     auto* percent = group->add_flag("--percent", percent_, "the values are percent");
     group->add_flag("--shares", shares_, "the values are fractions of 1, whatever the file says")
         ->excludes(percent);
