@@ -150,7 +150,7 @@ double update_lost_light(FitProblem& problem, const Model& model, std::span<cons
             LitSample sample{.plates = plates_of(scene, nm),
                              .mu_in = job.directions.mu_in[use.in],
                              .beam_mm = m.beam_mm,
-                             .diffuse_mm = m.as_iad ? m.beam_mm : m.above.sample_port_mm,
+                             .diffuse_mm = m.above.sample_port_mm,
                              .port_above_mm = m.above.sample_port_mm,
                              .port_below_mm = m.below.sample_port_mm};
             if (scene.substrate && scene.substrate->kind != Substrate::Kind::none)

@@ -268,16 +268,11 @@ TEST_CASE("slides above and below a turbid film reflect, absorb and pass as iad 
     }
 }
 
-TEST_CASE("unscattered light follows Beer's law, also in its derivative", "[pipeline][turbid]") {
-    Scene film;
-    film.substrate = substrate("black");
-    film.layers = {layer("hg:0.9,0.7@{tau=2}")};
-    const auto all = solve(film, {550}).derivatives({"tau"}).albedo({0.5, 0.5, 1.0});
+TEST_CASE("unscattered light follows Beer's law", "[pipeline][turbid]") {
+    const auto values = solve(film_of("hg:0.9,0.7@2"), {550}).albedo({0.5, 0.5, 1.0});
     for (std::size_t i = 0; i < 3; ++i) {
-        const double mu = all.values.mu_in[i], truth = std::exp(-2.0 / mu);
-        CHECK(std::abs(all.values.unscattered_transmittance[0][i] / truth - 1.0) <= 1e-12);
-        CHECK(std::abs(all.derivatives[0].unscattered_transmittance[0][i] / (-truth / mu) - 1.0) <=
-              1e-6);
+        const double truth = std::exp(-2.0 / values.mu_in[i]);
+        CHECK(std::abs(values.unscattered_transmittance[0][i] / truth - 1.0) <= 1e-12);
     }
 }
 

@@ -32,6 +32,10 @@ void show_brdf() {
               << ", under a sky " << albedo.under_sky(0, 0, 0.2) << '\n';
     const HdrfValues seen = brdf.hdrf(directions, /*diffuse_fraction*/ 0.2);
     std::cout << "under that sky it looks " << seen.hdrf[0][0] << " as bright as white\n";
+    const Sky clear = sky("cie-clear");
+    std::cout << "under a clear sky, " << clear.radiance(0.5, 0.0, 0.5, 550)
+              << " of the zenith's radiance around the sun, "
+              << brdf.hdrf(directions, 0.2, clear).hdrf[0][0] << '\n';
     for (const LayerOptics& of : brdf.layers())
         std::cout << of.layer << ": depth " << of.optical_depth << ", g " << of.asymmetry << '\n';
 

@@ -65,6 +65,9 @@ void show_formats() {
     const std::vector<Direction> along_the_normal = {{1.0, 1.0, 0.0}};
     std::cout << openpbr_brdf(surface, along_the_normal)[0][0] << " / sr in " << fit.colour_space
               << '\n';
+    const GroundFit ground = fit_ground(table, "rpv");
+    std::cout << ground.parameters[0] << ' ' << ground.grounds[0].values[0] << ", off by "
+              << ground.deviation.rms[0] << '\n';
 
     const ReflectanceSpectrum spectrum{{400, 500, 600, 700}, {0.1, 0.2, 0.3, 0.4}, {"an example"}};
     export_spectrum(spectrum, "spd", "grey.spd");

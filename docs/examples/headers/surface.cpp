@@ -25,4 +25,14 @@ void show_surface() {
     const Boundary varnish{.roughness = 0.1, .matrices = BoundaryMatrices::followed};
     validate(varnish);
     std::cout << (varnish.is_rough() ? "rough\n" : "smooth\n");
+    const GroundBrdf soil{.kind = GroundBrdf::Kind::rpv, .values = {0.1, 0.8, -0.1, 0.1}};
+    validate(soil);
+    const GroundEnergy energy = energy_of(soil);
+    std::cout << soil.model().name << ": hot spot " << soil.reflection(0.5, 0.5, -1.0)
+              << ", spherical albedo " << energy.spherical_albedo << '\n';
+    for (const GroundModel& model : ground_models()) {
+        for (const GroundParameter& one : model.parameters)
+            std::cout << model.name << ' ' << one.name << ": " << one.low << " to " << one.high
+                      << '\n';
+    }
 }
