@@ -371,6 +371,15 @@ TEST_CASE("files say that the mirror reflection of a smooth boundary is not in t
         CHECK_THAT(support::written_file(format, table, {.resolution = 4}),
                    Catch::Contains("left_out") && Catch::Contains("index 1.5, 4 %"));
     }
+}
+
+TEST_CASE("a film's lower side is told as a mirror, a rough boundary's lobe is in the values",
+          "[formats][brdf_export]") {
+    Scene scene{.layers = {layer("hg:0.9,0.4 in index:1.5 @ 0.3")}};
+    scene.substrate = substrate("none");
+    scene.boundary = rte::Boundary{};
+    CHECK_THAT(solve(scene, {535}).table().provenance().left_out,
+               Catch::Contains("smooth surfaces below"));
     scene.boundary = rte::Boundary{.roughness = 0.3};
     CHECK(solve(scene, {535}).table().provenance().left_out.empty());
 }

@@ -49,6 +49,8 @@ for (const options of [[], ["--acescg", "--boundary", "rough:0.2"]]) {
   check(document.validate(message), `validate: ${JSON.stringify(message)}`);
   const surface = document.getNodes().find((node) => node.getCategory() === "open_pbr_surface");
   const definition = surface.getNodeDef();
+  check(definition, "a surface that its definition knows");
+  if (!definition) continue;
   for (const input of surface.getInputs()) {
     const known = definition.getActiveInput(input.getName());
     check(known && known.getType() === input.getType(), `input ${input.getName()}`);

@@ -213,17 +213,6 @@ TEST_CASE("every format says which mirror reflections it is without", "[formats]
     CHECK_THAT(text_of(scene), Catch::Contains("left_out") && Catch::Contains("the mirror below"));
 }
 
-TEST_CASE("a film's lower side is told as a mirror, a rough boundary's lobe is in the values",
-          "[formats][mtlx]") {
-    Scene scene{.layers = {layer("hg:0.9,0.4 in index:1.5 @ 0.3")}};
-    scene.substrate = substrate("none");
-    scene.boundary = rte::Boundary{};
-    CHECK_THAT(solve(scene, {535}).table().provenance().left_out,
-               Catch::Contains("smooth surfaces below"));
-    scene.boundary = rte::Boundary{.roughness = 0.3};
-    CHECK(solve(scene, {535}).table().provenance().left_out.empty());
-}
-
 TEST_CASE("colours in ACEScg are the same surface to a few per mille", "[formats][mtlx]") {
     ExportOptions acescg;
     acescg.extra["acescg"] = 1;

@@ -32,7 +32,7 @@ struct Provenance {
     std::string polarisation = {};    ///< what was computed or left out; empty: it does not matter
     std::vector<std::string> sources = {};  ///< of the refractive indices, one line for each
     /// The light that is in no value because it goes into one direction alone (mirror reflections,
-    /// deltas), and how to add it, separated by "; ", a smooth boundary's first; empty: none.
+    /// deltas), and how to add it; empty: there is none.
     std::string left_out = {};
     double mirror_index = 0.0;  ///< of the host below a smooth boundary; 0: there is none
 };

@@ -146,7 +146,8 @@ const Format& find_format(std::string_view name, std::span<const Format> known =
 /// The fields of ExportOptions, and names of its `extra`, that a format looks at.
 std::vector<std::string> options_of(const Format& format);
 
-/// The mirror reflections that files of a format are without, and how to add them; empty: none.
+/// The mirror reflections that files of a format are without, and how to add them; empty: none. Of
+/// Provenance::left_out, whose sentences are separated by "; ", a smooth boundary's is the first.
 std::string left_out_of(const Format& format, const Provenance& origin);
 
 // ---------------------------------------------------------------- Writing
