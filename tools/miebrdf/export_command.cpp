@@ -283,7 +283,7 @@ int write_export(const Brdf& brdf, const ExportArguments& arguments, const Shell
 /// What passes a film.
 int write_transmitted(const Brdf& brdf, const ExportArguments& arguments, const Shell& shell) {
     const FilmTransmission film(brdf, shell.command_line());
-    const auto files = write_files(film, arguments, shell);
+    const auto files = write_files(film, arguments, arguments.file(), shell);
     if (!files) return kCheckFailed;
     const bool converged = film.report().converged();
     Table written = table_of(*files);

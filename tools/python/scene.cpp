@@ -2,6 +2,7 @@
 #include <miebrdf/error.h>
 #include <miebrdf/scene.h>
 
+#include <array>
 #include <complex>
 #include <optional>
 #include <string>
@@ -10,84 +11,7 @@
 
 #include <pybind11/complex.h>
 #include <pybind11/stl.h>
-#include "pipeline/cache/packed_numbers.h"
 #include "tools/python/bindings.h"
-
-namespace miebrdf {
-
-// Fields of what is pickled, beside those of pipeline/cache/fields.h.
-
-template <Is<ParticleSizes> T>
-auto fields(T& value) {
-    auto& [radius, variance, law, surface, exponent, file, radii, density] = value;
-    return std::tie(radius, variance, law, surface, exponent, file, radii, density);
-}
-
-template <Is<Amount> T>
-auto fields(T& value) {
-    auto& [kind, number] = value;
-    return std::tie(kind, number);
-}
-
-template <Is<Host> T>
-auto fields(T& value) {
-    auto& [name, index] = value;
-    return std::tie(name, index);
-}
-
-template <Is<Coating> T>
-auto fields(T& value) {
-    auto& [material, thickness_um, share_of_radius] = value;
-    return std::tie(material, thickness_um, share_of_radius);
-}
-
-template <Is<MatrixCoefficients> T>
-auto fields(T& value) {
-    return std::tie(value.a1, value.a2, value.a3, value.a4, value.b1, value.b2,
-                    value.single_scattering_albedo);
-}
-
-template <Is<FileScattering> T>
-auto fields(T& value) {
-    auto& [wavelength_nm, radius_um, extinction, albedo, cross_sections, angles_deg, phase, ratios,
-           is_parameter, averages, area_ratio] = value;
-    return std::tie(wavelength_nm, radius_um, extinction, albedo, cross_sections, angles_deg, phase,
-                    ratios, is_parameter, averages, area_ratio);
-}
-
-template <Is<Species> T>
-auto fields(T& value) {
-    auto& [kind, name, parameters, chi, wavelength_nm, matrices, index, scattering, sizes, coatings,
-           shape, phase, density, amount] = value;
-    return std::tie(kind, name, parameters, chi, wavelength_nm, matrices, index, scattering, sizes,
-                    coatings, shape, phase, density, amount);
-}
-
-template <Is<Medium> T>
-auto fields(T& value) {
-    auto& [species, host] = value;
-    return std::tie(species, host);
-}
-
-template <Is<Depth> T>
-auto fields(T& value) {
-    auto& [kind, number, wavelength_nm] = value;
-    return std::tie(kind, number, wavelength_nm);
-}
-
-template <Is<Layer> T>
-auto fields(T& value) {
-    auto& [medium, depth] = value;
-    return std::tie(medium, depth);
-}
-
-template <Is<Substrate> T>
-auto fields(T& value) {
-    auto& [kind, albedo, wavelength_nm, file, mirror] = value;
-    return std::tie(kind, albedo, wavelength_nm, file, mirror);
-}
-
-}  // namespace miebrdf
 
 namespace miebrdf::python {
 namespace {
@@ -105,15 +29,127 @@ void set_law(ParticleSizes& sizes, const std::optional<std::string>& law) {
     if (law && !sizes.distribution) sizes.distribution = mie::parse_size_distribution(*law);
 }
 
-/// Pickles a value as a row of numbers, by its list of fields.
-template <typename T>
-auto pickled() {
-    return py::pickle([](const T& self) { return NumberPacker().add(self).take(); },
-                      [](const std::vector<double>& numbers) {
-                          T value;
-                          NumberUnpacker(numbers).read(value);
-                          return value;
-                      });
+py::tuple sizes_state(const ParticleSizes& s) {
+    return py::make_tuple(s.specific_surface_m2_per_kg, s.exponent, s.file, s.radii_um,
+                          s.number_density);
+}
+
+void set_sizes(ParticleSizes& s, const py::tuple& state) {
+    s.specific_surface_m2_per_kg = state[0].cast<std::optional<double>>();
+    s.exponent = state[1].cast<std::optional<double>>();
+    s.file = state[2].cast<std::string>();
+    s.radii_um = state[3].cast<std::vector<double>>();
+    s.number_density = state[4].cast<std::vector<double>>();
+}
+
+py::tuple scattering_state(const FileScattering& t) {
+    return py::make_tuple(t.wavelength_nm, t.radius_um, t.extinction, t.albedo,
+                          t.has_cross_sections, t.angles_deg, t.phase, t.ratios,
+                          t.radius_is_parameter, t.has_averages, t.area_ratio);
+}
+
+void set_scattering(FileScattering& t, const py::tuple& state) {
+    using Lists = std::vector<std::vector<double>>;
+    const auto list = [&](std::size_t i) { return state[i].cast<std::vector<double>>(); };
+    const auto flag = [&](std::size_t i) { return state[i].cast<bool>(); };
+    t = {list(0),
+         list(1),
+         list(2),
+         list(3),
+         flag(4),
+         list(5),
+         state[6].cast<Lists>(),
+         state[7].cast<Lists>(),
+         flag(8),
+         flag(9),
+         list(10)};
+}
+
+py::tuple shape_state(const Species& s) {
+    const GrainShape& shape = s.shape;
+    std::optional<int> phase;
+    if (s.phase) phase = static_cast<int>(*s.phase);
+    return py::make_tuple(static_cast<int>(shape.kind), shape.aspect, shape.asymmetry,
+                          shape.absorption, phase);
+}
+
+void set_shape(Species& s, const py::tuple& state) {
+    s.shape = {static_cast<GrainShape::Kind>(state[0].cast<int>()),
+               state[1].cast<std::optional<double>>(), state[2].cast<std::optional<double>>(),
+               state[3].cast<std::optional<double>>()};
+    if (!state[4].is_none()) s.phase = static_cast<PhaseForm>(state[4].cast<int>());
+}
+
+py::tuple state_of(const Species& s) {
+    py::object amount = py::none();
+    if (s.amount) amount = py::make_tuple(static_cast<int>(s.amount->kind), s.amount->value);
+    py::list matrices;
+    for (const MatrixCoefficients& m : s.matrices) {
+        matrices.append(
+            py::make_tuple(m.single_scattering_albedo, m.a1, m.a2, m.a3, m.a4, m.b1, m.b2));
+    }
+    py::list coatings;
+    for (const Coating& c : s.coatings)
+        coatings.append(
+            py::make_tuple(c.material.name, c.material.index, c.thickness_um, c.share_of_radius));
+    return py::make_tuple(static_cast<int>(s.kind), s.name, s.parameters, s.chi, s.wavelength_nm,
+                          s.index, s.sizes.effective_radius_um, s.sizes.effective_variance,
+                          law_of(s.sizes), s.density_g_cm3, amount, matrices, coatings,
+                          sizes_state(s.sizes), shape_state(s), scattering_state(s.scattering));
+}
+
+Species species_of(const py::tuple& state) {
+    Species s;
+    s.kind = static_cast<Species::Kind>(state[0].cast<int>());
+    s.name = state[1].cast<std::string>();
+    s.parameters = state[2].cast<std::vector<double>>();
+    s.chi = state[3].cast<std::vector<double>>();
+    s.wavelength_nm = state[4].cast<std::vector<double>>();
+    s.index = state[5].cast<std::vector<std::complex<double>>>();
+    s.sizes.effective_radius_um = state[6].cast<std::optional<double>>();
+    s.sizes.effective_variance = state[7].cast<std::optional<double>>();
+    set_law(s.sizes, state[8].cast<std::optional<std::string>>());
+    s.density_g_cm3 = state[9].cast<std::optional<double>>();
+    if (!state[10].is_none()) {
+        const auto amount = state[10].cast<std::pair<int, double>>();
+        s.amount = Amount{static_cast<Amount::Kind>(amount.first), amount.second};
+    }
+    for (const py::handle of_wavelength : state[11]) {
+        const auto numbers = of_wavelength.cast<py::tuple>();
+        const auto list = [&](std::size_t i) { return numbers[i].cast<std::vector<double>>(); };
+        s.matrices.push_back(
+            {{list(2), list(3), list(4), list(5), list(6)}, numbers[0].cast<double>(), list(1)});
+    }
+    for (const py::handle handle : state[12]) {
+        const auto coating = handle.cast<py::tuple>();
+        s.coatings.push_back(
+            {{coating[0].cast<std::string>(), coating[1].cast<std::complex<double>>()},
+             coating[2].cast<double>(),
+             coating[3].cast<double>()});
+    }
+    set_sizes(s.sizes, state[13].cast<py::tuple>());
+    set_shape(s, state[14].cast<py::tuple>());
+    set_scattering(s.scattering, state[15].cast<py::tuple>());
+    return s;
+}
+
+py::tuple state_of(const Medium& medium) {
+    py::list species;
+    for (const Species& s : medium.species) species.append(state_of(s));
+    py::object host = py::none();
+    if (medium.host) host = py::make_tuple(medium.host->name, medium.host->index);
+    return py::make_tuple(species, host);
+}
+
+Medium medium_of(const py::tuple& state) {
+    Medium medium;
+    for (const py::handle species : state[0].cast<py::list>())
+        medium.species.push_back(species_of(species.cast<py::tuple>()));
+    if (!state[1].is_none()) {
+        const auto host = state[1].cast<std::pair<std::string, std::complex<double>>>();
+        medium.host = Host{host.first, host.second};
+    }
+    return medium;
 }
 
 /// Spheres of a refractive index of one's own.
@@ -196,7 +232,7 @@ void bind_media(py::module_& module) {
                  if (!self.host) self.host = other.host;
                  return self;
              })
-        .def(pickled<Medium>());
+        .def(py::pickle([](const Medium& self) { return state_of(self); }, &medium_of));
 
     py::class_<Depth>(module, "Depth",
                       "How deep a layer is: words as in `miebrdf.coat`, or an optical depth >= "
@@ -210,7 +246,14 @@ void bind_media(py::module_& module) {
             py::arg("value"))
         .def("__str__", [](const Depth& self) { return describe(self); })
         .def("__repr__", [](const Depth& self) { return "<miebrdf.Depth " + describe(self) + ">"; })
-        .def(pickled<Depth>());
+        .def(py::pickle(
+            [](const Depth& self) {
+                return py::make_tuple(static_cast<int>(self.kind), self.value, self.wavelength_nm);
+            },
+            [](const py::tuple& state) {
+                return Depth(static_cast<Depth::Kind>(state[0].cast<int>()),
+                             state[1].cast<double>(), state[2].cast<double>());
+            }));
 
     py::class_<Layer>(module, "Layer",
                       "A medium of some depth; `miebrdf.coat` makes "
@@ -235,7 +278,10 @@ void bind_media(py::module_& module) {
                  const auto& layer = other.cast<const Layer&>();
                  return self.medium == layer.medium && self.depth == layer.depth;
              })
-        .def(pickled<Layer>());
+        .def(py::pickle([](const Layer& self) { return py::make_tuple(self.medium, self.depth); },
+                        [](const py::tuple& state) {
+                            return Layer{state[0].cast<Medium>(), state[1].cast<Depth>()};
+                        }));
 }
 
 void bind_ground(py::module_& module) {
@@ -259,7 +305,22 @@ void bind_ground(py::module_& module) {
              [](const Substrate& self, const py::object& other) {
                  return py::isinstance<Substrate>(other) && self == other.cast<const Substrate&>();
              })
-        .def(pickled<Substrate>());
+        .def(py::pickle(
+            [](const Substrate& self) {
+                return py::make_tuple(static_cast<int>(self.kind), self.albedo, self.wavelength_nm,
+                                      self.file, self.mirror.name, self.mirror.index,
+                                      static_cast<int>(self.brdf.kind), self.brdf.values);
+            },
+            [](const py::tuple& state) {
+                return Substrate{
+                    static_cast<Substrate::Kind>(state[0].cast<int>()),
+                    state[1].cast<std::vector<double>>(),
+                    state[2].cast<std::vector<double>>(),
+                    state[3].cast<std::string>(),
+                    {state[4].cast<std::string>(), state[5].cast<std::complex<double>>()},
+                    {static_cast<rte::GroundBrdf::Kind>(state[6].cast<int>()),
+                     state[7].cast<std::array<double, 6>>()}};
+            }));
 
     py::enum_<rte::MicrofacetDistribution>(module, "MicrofacetDistribution")
         .value("beckmann", rte::MicrofacetDistribution::beckmann)
