@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 
 void show_database() {
     using namespace miebrdf::materials;
@@ -16,6 +17,8 @@ void show_database() {
         std::cout << dataset.label << (fits(dataset, filter) ? " covers" : " misses") << '\n';
     std::cout << embedded.search(filter).size() << " oxides, " << embedded.search("gold").size()
               << " of gold; 'tio2' is " << embedded.resolve("tio2")[0] << '\n';
+    if (const std::optional<CommonWord> snow = common_word("snow"))
+        std::cout << snow->word << ": " << snow->meaning << '\n';
     try {
         embedded.refractive_index("TiO22");
     } catch (const UnknownMaterial& unknown) {  // an InputError; DatabaseError: the file is wrong

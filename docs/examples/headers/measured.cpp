@@ -21,6 +21,16 @@ void show_measured() {
               << word_of(kind.quantity) << ' ' << word_of(kind.geometry)
               << (is_share(kind.quantity) ? ", a share\n" : "\n");
 
+    // What an integrating sphere reads of a sample that returns half of the light.
+    SphereMeasurement spheres;
+    spheres.above = IntegratingSphere{.diameter_mm = 150, .sample_port_mm = 20, .wall = 0.97};
+    set_sphere_word(spheres, "detector_port", 10);
+    spheres.rows = {SphereRow{.wavelength_nm = 550, .wall_above = 0.97}};
+    validate(spheres);
+    const SlabLight sample{.r_direct = 0.5, .r_diffuse = 0.55};
+    std::cout << sphere_reading(spheres.at(550), false, sample, LostLight{.r_direct = 0.01})
+              << " in the sphere\n";
+
     // Directions become a BRDF that can be exported and rendered.
     Measurements goniometer;
     goniometer.samples = {"disc"};

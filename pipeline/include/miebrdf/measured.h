@@ -81,30 +81,32 @@ struct MeasuredValue {
 
 /// An integrating sphere: diameters in mm of it and its ports, diffuse reflectances in [0, 1].
 struct IntegratingSphere {
-    double diameter_mm = 0.0, sample_port_mm = 0.0, detector_port_mm = 0.0;
+    double diameter_mm = 0.0, sample_port_mm = 0.0, detector_port_mm = 0.0;  ///< in mm, above 0
     double third_port_mm = 0.0;  ///< where light enters, or leaves straight; 0: there is wall
-    double wall = 0.0, detector = 0.0;
-    double standard = 1.0;  ///< in place of the sample; of a transmittance at the third port
+    double wall = 0.0, detector = 0.0;  ///< in [0, 1)
+    double standard = 1.0;  ///< in (0, 1], in place of the sample; of a transmittance at the third
+                            ///< port
     bool baffle = true;     ///< between sample and detector
 };
 
 /// Shares of the light that a sample returns (r) and passes (t): of a beam, the unscattered part
 /// included; that part; of diffuse light.
 struct SlabLight {
-    double r_direct = 0.0, t_direct = 0.0, r_unscattered = 0.0, t_unscattered = 0.0;
-    double r_diffuse = 0.0, t_diffuse = 0.0;
+    double r_direct = 0.0, t_direct = 0.0, r_unscattered = 0.0, t_unscattered = 0.0;  ///< [0, 1]
+    double r_diffuse = 0.0, t_diffuse = 0.0;                                          ///< [0, 1]
 };
 
 /// Shares of the light that leave the sample beside its ports: of a beam, of diffuse light on its
 /// upper port, and (below) on its lower port.
 struct LostLight {
-    double r_direct = 0.0, t_direct = 0.0;
-    double r_diffuse = 0.0, t_diffuse = 0.0, r_diffuse_below = 0.0;
+    double r_direct = 0.0, t_direct = 0.0;                           ///< in [0, 1]
+    double r_diffuse = 0.0, t_diffuse = 0.0, r_diffuse_below = 0.0;  ///< in [0, 1]
 };
 
 /// Numbers of the spheres that differ from wavelength to wavelength.
 struct SphereRow {
     double wavelength_nm = 0.0;
+    /// Reflectances, in [0, 1].
     double wall_above = 0.0, wall_below = 0.0, standard_above = 1.0, standard_below = 1.0;
 };
 
@@ -119,6 +121,7 @@ struct SphereMeasurement {
     bool as_iad = false;               ///< normalised as iad 3 and 4 do (docs/fitting.md)
     std::vector<SphereRow> rows = {};  ///< wavelengths ascending, linear between them
 
+    /// The same with the numbers of `rows` at a wavelength.
     SphereMeasurement at(double wavelength_nm) const;
 };
 

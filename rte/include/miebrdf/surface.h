@@ -210,7 +210,7 @@ struct GroundBrdf {
     enum class Kind { rpv, ross_li, hapke };
     Kind kind = Kind::rpv;
     std::array<double, 6> values =
-        {};  ///< of the model's parameters in their order, in their range
+        {};  ///< of the model's parameters in their order, in the range and unit of each
 
     bool operator==(const GroundBrdf&) const = default;
     const GroundModel& model() const;  ///< names and ranges of its parameters
