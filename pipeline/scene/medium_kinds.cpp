@@ -48,7 +48,7 @@ MediumKind slide() {
     return {.kind = Species::Kind::slide,
             .name = "slide",
             .form = "slide:N,K",
-            .example = "slide:1.5",
+            .example = "slide:1.5,0",
             .help =
                 "a clear or absorbing plate, such as a slide of glass, as a layer of some "
                 "thickness: slide:1.5@1mm; its surfaces reflect, so that the scene needs a "

@@ -188,9 +188,9 @@ TEST_CASE("drawdowns that make no sense are refused", "[pipeline][drawdown][erro
     std::swap(options.dark, options.light);
     CHECK_THROWS_WITH(draw_down(film, visible(), {1.0}, options), Catch::Contains("lighter"));
     options = {};
-    for (const double wrong : {0.0, 1.0, -2.0, kNan}) {
+    for (const double wrong : {1.0, -2.0, kNan}) {
         options.hiding_contrast_ratio = wrong;
-        CHECK_THROWS_WITH(draw_down(film, visible(), {1.0}, options), Catch::Contains("(0, 1)"));
+        CHECK_THROWS_WITH(draw_down(film, visible(), {1.0}, options), Catch::Contains("[0, 1)"));
     }
     CHECK_THROWS_WITH(draw_down(film, {450, 550}, {1.0}), Catch::Contains("eight wavelengths"));
     CHECK_THROWS_WITH(draw_down(film, visible(), {0.0}), Catch::Contains("mu_in"));

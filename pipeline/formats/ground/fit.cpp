@@ -1,5 +1,5 @@
 // Models of natural grounds in place of a BRDF.
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +8,7 @@
 #include <miebrdf/formats.h>
 #include "pipeline/formats/check/check.h"
 #include "pipeline/solve/parallel.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf {
 namespace {
@@ -91,7 +92,9 @@ class GroundSearch {
                 Eigen::MatrixXd normal = slopes.transpose() * slopes;
                 normal.diagonal() *= 1.0 + damping;
                 normal.diagonal().array() += 1e-14;
-                const Eigen::VectorXd change = normal.ldlt().solve(-slopes.transpose() * here);
+                Eigen::MatrixXd inverse;
+                if (!math::invert_positive_definite(normal, inverse)) break;
+                const Eigen::VectorXd change = inverse * (-slopes.transpose() * here);
                 rte::GroundBrdf moved = ground;
                 for (Eigen::Index p = 0; p < count; ++p)
                     moved = with(moved, std::size_t(p), ground.values[std::size_t(p)] + change[p]);

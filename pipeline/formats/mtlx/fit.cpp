@@ -1,7 +1,7 @@
 // The OpenPBR surface nearest to a BRDF: Levenberg and Marquardt's least squares between bounds.
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,6 +11,7 @@
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/formats/common/finite_source.h"
 #include "pipeline/formats/mtlx/openpbr.h"
+#include "rte/math/matrices.h"
 
 namespace miebrdf {
 namespace {
@@ -157,7 +158,9 @@ class Search {
         Eigen::MatrixXd normal = of_moving.transpose() * of_moving;
         normal.diagonal() *= 1.0 + damping;
         normal.diagonal().array() += 1e-12;
-        const Eigen::VectorXd change = normal.ldlt().solve(-gradient(moving));
+        Eigen::MatrixXd inverse;
+        if (moving.empty() || !math::invert_positive_definite(normal, inverse)) return;
+        const Eigen::VectorXd change = inverse * -gradient(moving);
         for (std::size_t m = 0; m < moving.size(); ++m) {
             const Unknown& unknown = unknowns[std::size_t(moving[m])];
             double& value = unknown.of(surface);
