@@ -16,7 +16,6 @@
 
 #include "pipeline/fit/certainty.h"
 #include "pipeline/fit/fitted_scene.h"
-#include "pipeline/fit/lost_light.h"
 #include "pipeline/fit/minima.h"
 #include "pipeline/fit/model.h"
 #include "pipeline/fit/problem.h"
@@ -45,23 +44,8 @@ struct Part {
     }
 };
 
-/// Light that is lost follows from the numbers that are found with it: turn by turn, until no share
-/// of it changes by more than its own noise (iad needs 7 turns for a phantom).
-constexpr int kMostTurns = 12;
-constexpr double kLostLightChange = 3e-4;
-
 void run(Part& part, const Control& control) {
     part.found = search(part.problem, part.model, part.target, control);
-    const auto asks = [](const FitData& data) { return data.lost_light; };
-    const bool any = std::any_of(part.problem.data.begin(), part.problem.data.end(), asks);
-    for (int turn = 0; any && part.found.converged; ++turn) {
-        if (update_lost_light(part.problem, part.model, part.numbers()) <= kLostLightChange) break;
-        part.found = search(part.problem, part.model, part.target, control);
-        if (turn + 1 < kMostTurns) continue;
-        part.found.notes.push_back(fmt::format(
-            "the light lost beside the ports still changes after {} turns", kMostTurns));
-        break;
-    }
     part.problem.loss_width = part.found.loss_width;
 }
 
@@ -200,11 +184,9 @@ FitResult fit(const FitProblem& given, const Control& control) {
     result.converged = true;
     for (const FitData& data : problem.data) {
         add_lines(result.notes, data.doubts, "doubts");
-        if (data.spheres && !data.lost_light)
+        if (data.spheres)
             result.notes.push_back(
-                data.name +
-                ": light that leaves the sample beside the ports is not computed; "
-                "lost_light = true traces it");
+                data.name + ": light that leaves the sample beside the ports is not computed");
     }
     int values = 0, numbers = 0;
     std::size_t failed = 0;

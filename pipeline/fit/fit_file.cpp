@@ -42,8 +42,7 @@ const std::vector<std::string> kMeasuredKeys = {"file",
                                                 "band_width",
                                                 "correlation_length",
                                                 "sphere",
-                                                "other_sphere",
-                                                "lost_light"};
+                                                "other_sphere"};
 
 class FitFile : TomlFile {
   public:
@@ -296,7 +295,6 @@ class FitFile : TomlFile {
     }
 
     void read_spheres(const toml::table& set, fitting::MeasuredWords& words, FitData& data) {
-        if (const toml::node* lost = set.get("lost_light")) data.lost_light = lost->value_or(false);
         if (set.get("sphere") != nullptr) data.spheres.emplace();
         for (const char* key : {"sphere", "other_sphere"}) {
             const bool other = key != std::string_view("sphere");

@@ -70,13 +70,7 @@ bool is_of_neighbours(const FitData& data) {
 
 /// Spheres see a beam on the sample, and what comes back or passes.
 void check_spheres(const FitData& data) {
-    if (!data.spheres) {
-        if (data.lost_light)
-            throw UsageError(data.name +
-                             ": light is lost at the ports of a sphere; give it: "
-                             "sphere = { diameter = 200, sample_port = 25, wall = 0.97 }");
-        return;
-    }
+    if (!data.spheres) return;
     validate(*data.spheres);
     for (const MeasuredValue& value : data.values) {
         const bool is_flux = value.quantity == MeasuredQuantity::reflectance ||

@@ -122,8 +122,6 @@ class JobSolver {
             if (use.of_spheres == nullptr) return value;
             const double nm = job_.wavelength_nm[use.wavelength];
             const SphereMeasurement spheres = use.of_spheres->spheres->at(nm);
-            const std::map<double, LostLight>& all = use.of_spheres->lost;
-            const auto lost = all.lower_bound(nm);
             const SlabLight light = slab_light(with.values, use.wavelength, use.in),
                             slope = slab_light(values, use.wavelength, use.in);
             const auto reading = [&](double step) {
@@ -132,8 +130,7 @@ class JobSolver {
                      {&SlabLight::r_direct, &SlabLight::t_direct, &SlabLight::r_unscattered,
                       &SlabLight::t_unscattered, &SlabLight::r_diffuse, &SlabLight::t_diffuse})
                     at.*part += step * slope.*part;
-                return sphere_reading(spheres, use.quantity == MeasuredQuantity::transmittance, at,
-                                      lost == all.end() ? LostLight{} : lost->second);
+                return sphere_reading(spheres, use.quantity == MeasuredQuantity::transmittance, at);
             };
             if (&values == &with.values) return reading(0.0);
             const double largest = std::max(std::abs(slope.r_direct), std::abs(slope.t_direct));

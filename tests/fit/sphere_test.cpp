@@ -7,7 +7,6 @@
 #include <cmath>
 #include <string>
 
-#include "pipeline/fit/lost_light.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,54 +93,10 @@ TEST_CASE("without its sphere a phantom seems to scatter half as much", "[fit][s
     CHECK(own > 1.0);
 }
 
-TEST_CASE("light that leaves the sample beside the ports is traced as by iad", "[fit][sphere]") {
-    // iad 4.0.0 -M 19 -p 400000 at 600 nm of tio2_vis.rxt: 1.394 per mm, with losses .0042, .0813,
-    // .0033 and .0257 of 200,000 photons each (R and R of diffuse light, T and T of diffuse light);
-    // ours are 50,000, hence four times the root of p / n.
-    const fitting::Plate slide{.index = 1.45, .thickness_mm = 1.0};
-    const fitting::Plate film{.index = 1.34,
-                              .thickness_mm = 11.3,
-                              .scattering_per_mm = 1.394,
-                              .absorption_per_mm = 0.0005};
-    const LostLight lost = fitting::trace_lost_light({.plates = {slide, film, slide},
-                                                      .beam_mm = 10.0,
-                                                      .diffuse_mm = 50.8,
-                                                      .port_above_mm = 50.8,
-                                                      .port_below_mm = 50.8});
-    const auto error = [](double p) { return 4.0 * std::sqrt(p / 50'000 + p / 200'000); };
-    CHECK(std::abs(lost.r_direct - 0.0042) <= error(0.0042));
-    CHECK(std::abs(lost.r_diffuse - 0.0813) <= error(0.0813));
-    CHECK(std::abs(lost.t_direct - 0.0033) <= error(0.0033));
-    CHECK(std::abs(lost.t_diffuse - 0.0257) <= error(0.0257));
-    if (!has_fit()) return;
-    const FitResult found = fit_of(kTio2, "sphere = \"iad\"\nlost_light = true");
-    CHECK(found.converged);
-    CHECK(std::abs(found.values[1].value - 1.394) <= 0.012);
-}
-
-TEST_CASE("a film that loses nothing has nothing to trace", "[fit][sphere]") {
-    // All of a clear plate's light stays within the beam; energy is kept by a film without ports.
-    const LostLight none =
-        fitting::trace_lost_light({.plates = {{.index = 1.5, .thickness_mm = 1.0}},
-                                   .beam_mm = 1.0,
-                                   .diffuse_mm = 1.0,
-                                   .port_above_mm = 1e3,
-                                   .port_below_mm = 1e3});
-    CHECK(none.r_direct + none.t_direct + none.t_diffuse == 0.0);
-    const LostLight all = fitting::trace_lost_light(
-        {.plates =
-             {{.index = 1.5, .thickness_mm = 1.0, .scattering_per_mm = 2.0, .asymmetry = 0.6}},
-         .beam_mm = 1.0,
-         .diffuse_mm = 1.0});
-    CHECK(std::abs(all.r_direct + all.t_direct - 1.0) <= 1e-12);
-    CHECK(std::abs(all.r_diffuse + all.t_diffuse - 1.0) <= 1e-12);
-}
-
 TEST_CASE("spheres are refused where they say nothing, with what to write",
           "[fit][sphere][errors]") {
     CHECK_THROWS_WITH(fit_of(kTio2, "sphere = \"own\""), Catch::Contains("\"file\" or \"iad\""));
     CHECK_THROWS_WITH(fit_of(kTio2, "sphere = { wall = 2 }"), Catch::Contains("wall"));
     CHECK_THROWS_WITH(fit_of(kTio2, "sphere = { wall = 0.9 }"), Catch::Contains("sample_port"));
-    CHECK_THROWS_WITH(fit_of(kTio2, "lost_light = true"), Catch::Contains("give it"));
     CHECK_THROWS_WITH(fit_of(kTio2, "other_sphere = { wall = 0.9 }"), Catch::Contains("beside"));
 }

@@ -359,7 +359,8 @@ class Brdf(Albedos):
             azimuth_deg (directions of formats that list them; default: by the resolution), rgb
             (auto, cie, wavelengths), largest_error (accepted relative rms error of a file that is
             read back; 0: that of the format), accept_error (write the file whatever was found);
-            incident_angles and bin_centres of single formats.
+            incident_angles and bin_centres of single formats; acescg (bool: colours of mtlx in
+            ACEScg) and subsurface (bool; the program alone knows the medium that it needs).
 
         Returns
         -------

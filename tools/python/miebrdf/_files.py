@@ -134,14 +134,14 @@ def export_arguments(
         numbers(name, given.get(name, ())).reshape(-1).tolist()
         for name in ("mu_in", "mu_out", "azimuth_deg")
     )
-    of_single_formats = ("incident_angles", "bin_centres")
+    of_single_formats = ("incident_angles", "bin_centres", "acescg", "subsurface")
     return (
         how.get("resolution", 0),
         _core.Directions(*listed),
         how.get("rgb", "auto"),
         how.get("largest_error", 0.0),
         how.get("accept_error", False),
-        {name: value for name, value in given.items() if name in of_single_formats},
+        {name: int(value) for name, value in given.items() if name in of_single_formats},
     )
 
 

@@ -74,6 +74,8 @@ class ExportOptions(TypedDict, total=False):
     accept_error: bool
     incident_angles: int
     bin_centres: int
+    acescg: bool
+    subsurface: bool
 
 
 class OfMedium(TypedDict, total=False):

@@ -29,7 +29,14 @@ _OF_ROUGHNESS = ("surface_distribution", "shadowing", "fresnel")
 
 
 class Studio:
-    """A studio that runs: `studio` makes it. A notebook shows its page."""
+    """A studio that runs: `studio` makes it. A notebook shows its page.
+
+    Examples
+    --------
+    >>> knobs = miebrdf.studio(Scene("TiO2,radius=0.2"))  # doctest: +SKIP
+    >>> isinstance(knobs, miebrdf.Studio)  # doctest: +SKIP
+    >>> knobs.close()  # doctest: +SKIP
+    """
 
     def __init__(self, words: dict[str, Any], database: str, program: str, height_px: int) -> None:
         #: Height of the page in a notebook.
@@ -152,7 +159,7 @@ def _program(given: str | os.PathLike[str] | None) -> str:
             f"the studio is a part of the program miebrdf, and {given or 'that'} is not found; "
             "`cmake --install` puts it on PATH, or say program='.../miebrdf'"
         )
-    return found
+    return str(found)
 
 
 def _end(process: subprocess.Popen[str], folder: tempfile.TemporaryDirectory[str]) -> None:
@@ -206,10 +213,18 @@ def _scene_of(words: dict[str, Any]) -> Scene:
             value, arguments["surface_distribution"] = str(value).split(",")
         if name in NUMBERS or name == "mie_tolerance":
             value = float(value)
-        elif name == "surface_index":
-            value = complex(*(float(part) for part in str(value).split(",")))
+        elif name in ("surface_index", "host"):
+            value = _index_of(str(value))
         arguments[name] = value
     return Scene(**arguments)
+
+
+def _index_of(text: str) -> complex | str:
+    """n + ik of "N,K" or "N"; other texts are names."""
+    try:
+        return complex(*(float(part) for part in text.split(",")))
+    except (TypeError, ValueError):
+        return text
 
 
 def _toml(words: dict[str, Any]) -> str:

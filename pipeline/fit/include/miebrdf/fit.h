@@ -76,9 +76,6 @@ struct FitData {
     double correlation_length_nm = 0.0;
     /// That made the values, of plane albedos and transmittances: they are what it reads.
     std::optional<SphereMeasurement> spheres = {};
-    /// Light that leaves the sample beside the ports of its spheres is traced and taken off.
-    bool lost_light = false;
-    std::map<double, LostLight> lost = {};  ///< by wavelength in nm
     double diffuse_fraction = 0.0;                        ///< of hdrf, in [0, 1]
     Viewing viewing = {};  ///< of Lab, of the plane albedo over 400 to 700 nm
 };
