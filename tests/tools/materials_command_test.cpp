@@ -44,7 +44,7 @@ void check_error(const support::ProgramRun& run, int exit_code, const std::strin
 TEST_CASE("materials list, search and show", "[program][materials]") {
     const Bench bench;
     const support::CsvOutput list(bench.run("list").out);
-    CHECK(list.size() == 100);
+    CHECK(list.size() == 109);
     CHECK(list.columns().front() == "name");
     const support::CsvOutput found(
         bench.run("search \"titanium dioxide\" --covers 400:700 --has-k").out);
@@ -174,8 +174,8 @@ TEST_CASE("long lists are cut on request, and a search that finds nothing propos
           "[program][materials]") {
     const Bench bench;
     CHECK(support::CsvOutput(bench.run("list --limit 5").out).size() == 5);
-    CHECK_THAT(bench.run("list --limit 5").err, Catch::Contains("first 5 of 100"));
-    CHECK(support::CsvOutput(bench.run("search \"\" --limit 0").out).size() == 100);
+    CHECK_THAT(bench.run("list --limit 5").err, Catch::Contains("first 5 of 109"));
+    CHECK(support::CsvOutput(bench.run("search \"\" --limit 0").out).size() == 109);
     CHECK(support::CsvOutput(bench.run("search \"\"").out).size() == 50);
     CHECK_THAT(bench.run("search polystirene").err, Catch::Contains("did you mean polystyrene"));
     CHECK(support::CsvOutput(bench.run("search TiO\xe2\x82\x82").out).text(0, "name") == "TiO2");
