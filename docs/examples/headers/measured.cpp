@@ -24,6 +24,7 @@ void show_measured() {
     // What an integrating sphere reads of a sample that returns half of the light.
     SphereMeasurement spheres;
     spheres.above = IntegratingSphere{.diameter_mm = 150, .sample_port_mm = 20, .wall = 0.97};
+    spheres.below = spheres.above;  // of transmittances
     set_sphere_word(spheres, "detector_port", 10);
     spheres.rows = {SphereRow{.wavelength_nm = 550, .wall_above = 0.97}};
     validate(spheres);

@@ -94,7 +94,8 @@ class GroundSearch {
                 normal.diagonal().array() += 1e-14;
                 Eigen::MatrixXd inverse;
                 if (!math::invert_positive_definite(normal, inverse)) break;
-                const Eigen::VectorXd change = inverse * (-slopes.transpose() * here);
+                const Eigen::VectorXd uphill = slopes.transpose().lazyProduct(here);
+                const Eigen::VectorXd change = -inverse.lazyProduct(uphill);
                 rte::GroundBrdf moved = ground;
                 for (Eigen::Index p = 0; p < count; ++p)
                     moved = with(moved, std::size_t(p), ground.values[std::size_t(p)] + change[p]);

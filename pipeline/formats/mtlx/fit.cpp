@@ -147,7 +147,7 @@ class Search {
     /// there and out of the equations: the others would move for a change that does not happen.
     static void move(OpenPbr& surface, const std::vector<Unknown>& unknowns,
                      const Eigen::MatrixXd& slopes, const Eigen::VectorXd& here, double damping) {
-        const Eigen::VectorXd gradient = slopes.transpose() * here;
+        const Eigen::VectorXd gradient = slopes.transpose().lazyProduct(here);
         std::vector<Eigen::Index> moving;
         for (std::size_t u = 0; u < unknowns.size(); ++u) {
             const double value = unknowns[u].of(surface), slope = gradient[Eigen::Index(u)];
@@ -160,7 +160,8 @@ class Search {
         normal.diagonal().array() += 1e-12;
         Eigen::MatrixXd inverse;
         if (moving.empty() || !math::invert_positive_definite(normal, inverse)) return;
-        const Eigen::VectorXd change = inverse * -gradient(moving);
+        const Eigen::VectorXd uphill = gradient(moving);
+        const Eigen::VectorXd change = -inverse.lazyProduct(uphill);
         for (std::size_t m = 0; m < moving.size(); ++m) {
             const Unknown& unknown = unknowns[std::size_t(moving[m])];
             double& value = unknown.of(surface);
