@@ -165,10 +165,11 @@ void Resolver::note_crowding(const ResolvedMedium& medium) {
                                     least->second)
                       : fmt::format("{:.2g} ({} nm) to {:.2g} ({} nm) times the reduced scattering",
                                     least->first, least->second, most->first, most->second);
-    add_once(notes_, fmt::format("{} fills {:.3g} % of the volume: independent scattering is "
-                                 "assumed; hard spheres would have {} (packing percus-yevick), those of "
-                                 "a high index less (packing effective-host)",
-                                 describe(medium.medium), 100.0 * filled_volume(medium), range));
+    add_once(notes_,
+             fmt::format("{} fills {:.3g} % of the volume: independent scattering is "
+                         "assumed; hard spheres would have {} (packing percus-yevick), those of "
+                         "a high index less (packing effective-host)",
+                         describe(medium.medium), 100.0 * filled_volume(medium), range));
 }
 
 }  // namespace miebrdf

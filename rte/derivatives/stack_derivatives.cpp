@@ -331,8 +331,8 @@ std::vector<AlbedoTable> albedo_derivatives(const Stack& asked,
                          table.unscattered_transmittance);
         find_unscattered(change.minus, question.mu_in, question.components, exact,
                          below.unscattered_transmittance);
-        table.unscattered_transmittance = slope(table.unscattered_transmittance,
-                                                below.unscattered_transmittance, change.apart);
+        table.unscattered_transmittance =
+            slope(table.unscattered_transmittance, below.unscattered_transmittance, change.apart);
     }
     return tables;
 }

@@ -43,7 +43,8 @@ TEST_CASE("the skies of the CIE have its luminances", "[pipeline][sky]") {
     CHECK(clear.radiance(0.5, 180, 0.5, 550) < 0.2 * clear.radiance(0.5, 0, 0.5, 550));
 }
 
-TEST_CASE("a Lambertian ground has its albedo under every sky of a table or the CIE", "[pipeline][sky]") {
+TEST_CASE("a Lambertian ground has its albedo under every sky of a table or the CIE",
+          "[pipeline][sky]") {
     Scene ground;
     ground.substrate = substrate("lambert:0.4");
     const char* const name = GENERATE("uniform", "cie-clear", "cie-overcast");

@@ -119,7 +119,8 @@ void ExportArguments::add_to(CLI::App& command, Shell& shell) {
     option(*measured, "--column", column_, "NAME", "one column or sample of the file of --from");
     option(*measured, "--azimuth-zero", azimuth_zero_, "SIDE",
            "what azimuth 0 means in the file of --from: mirror or back");
-    option(command, "--component", component_, "", "total, subsurface or surface; transmitted: the BTDF of a film in air");
+    option(command, "--component", component_, "",
+           "total, subsurface or surface; transmitted: the BTDF of a film in air");
     add_file_options(command);
 }
 

@@ -17,8 +17,8 @@ constexpr std::size_t kThreads = 8;
 constexpr time_t kPatienceS = 10;
 constexpr char kLoopback[] = "127.0.0.1";
 
-/// The page holds its scripts itself, and speaks to this server alone. Notebooks of this machine may
-/// show it in a cell: they have the token.
+/// The page holds its scripts itself, and speaks to this server alone. Notebooks of this machine
+/// may show it in a cell: they have the token.
 constexpr char kPolicy[] =
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; "
     "img-src data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "

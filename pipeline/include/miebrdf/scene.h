@@ -188,8 +188,8 @@ struct Medium {
 /// Reads one species: `NAME`, `source:KEY`, `index:N,K`, `isotropic:ALBEDO`, `rayleigh:ALBEDO`,
 /// `hg:ALBEDO,G`, `hg:FILE`, `dhg:ALBEDO,G1,G2,SHARE`, `moments:FILE`, `matrix:FILE`,
 /// `scattering:FILE`, `paste:FILE`, `paste:NAME` (read here; names of materials are looked up by
-/// solve()), `turbid:MU_A,MU_S_REDUCED,G`, `slide:N,K` (a layer alone), then sizes and amounts of its own:
-/// `TiO2,radius=0.1,distribution=gamma,volume=15%`.
+/// solve()), `turbid:MU_A,MU_S_REDUCED,G`, `slide:N,K` (a layer alone), then sizes and amounts of
+/// its own: `TiO2,radius=0.1,distribution=gamma,volume=15%`.
 /// @throws UsageError  for words and numbers that are wrong, with what is allowed
 /// @throws InputError  for a moments file that is missing or wrong
 Species species(const std::string& text);

@@ -76,8 +76,8 @@ struct FitData {
     double correlation_length_nm = 0.0;
     /// That made the values, of plane albedos and transmittances: they are what it reads.
     std::optional<SphereMeasurement> spheres = {};
-    double diffuse_fraction = 0.0;                        ///< of hdrf, in [0, 1]
-    Viewing viewing = {};  ///< of Lab, of the plane albedo over 400 to 700 nm
+    double diffuse_fraction = 0.0;  ///< of hdrf, in [0, 1]
+    Viewing viewing = {};           ///< of Lab, of the plane albedo over 400 to 700 nm
 };
 
 /// How residuals beyond a few sigma count: as their square, linearly (Huber),
