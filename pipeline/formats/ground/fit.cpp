@@ -150,10 +150,10 @@ GroundFit fit_ground(const BrdfSource& source, const std::string& model, const C
         for (std::size_t p = 0; p < found->needed; ++p)
             fit.parameters.emplace_back(found->parameters[p].name);
     }
-    constexpr double kLeastCosine = 0.2;
+    constexpr double kLowestCosine = 0.2;
     std::vector<Direction> directions = random_directions(600, 41);
     std::erase_if(directions,
-                  [](const Direction& d) { return std::min(d.mu_in, d.mu_out) < kLeastCosine; });
+                  [](const Direction& d) { return std::min(d.mu_in, d.mu_out) < kLowestCosine; });
     const std::vector<Direction> retro = retro_directions(directions.size() / 4, 42);
     directions.insert(directions.end(), retro.begin(), retro.end());
     const std::size_t channels = source.channels().size();
