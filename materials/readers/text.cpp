@@ -197,21 +197,6 @@ std::string shell_quoted(std::string_view text) {
     return result + "'";
 }
 
-std::string base64(std::string_view bytes) {
-    constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-        unsigned three = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            three = three << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += k <= count ? kLetters[three >> (18 - 6 * k) & 63] : '=';
-    }
-    return text;
-}
-
 std::string printable(std::string_view text) {
     std::string clean(text);
     for (std::size_t i = 0; i < clean.size(); ++i) {

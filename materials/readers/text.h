@@ -19,9 +19,6 @@ std::string quoted_field(std::string_view field);
 /// Between single quotes, for any shell.
 std::string shell_quoted(std::string_view text);
 
-/// Bytes as text: RFC 4648, section 4, with padding.
-std::string base64(std::string_view bytes);
-
 /// The lines of a text, without their ends (LF, CR LF or CR).
 std::vector<std::string_view> split_lines(std::string_view text);
 

@@ -43,22 +43,20 @@ struct Sphere {
     double first_bounce(double r_t) const { return baffle ? (1.0 - a_t) * r_w + a_t * r_t : 1.0; }
 };
 
-/// With nothing in the direct light that is not collected, or lost.
+/// What the spheres get.
 struct Collected {
-    double r = 0.0, t = 0.0;                 ///< scattered, of direct light
-    double r_u = 0.0, t_u = 0.0;             ///< straight
-    double R = 0.0, R_below = 0.0, T = 0.0;  ///< of diffuse light: of the sphere above, below
+    double r = 0.0, t = 0.0;      ///< scattered, of direct light
+    double r_u = 0.0, t_u = 0.0;  ///< straight
+    double R = 0.0, T = 0.0;      ///< of diffuse light, alike on both sides
 };
 
-Collected collected(const SphereMeasurement& m, const SlabLight& light, const LostLight& lost) {
-    const auto rest = [](double whole, double without) { return std::max(whole - without, 0.0); };
-    return {.r = rest(light.r_direct - light.r_unscattered, lost.r_direct),
-            .t = rest(light.t_direct - light.t_unscattered, lost.t_direct),
+Collected collected(const SphereMeasurement& m, const SlabLight& light) {
+    return {.r = light.r_direct - light.r_unscattered,
+            .t = light.t_direct - light.t_unscattered,
             .r_u = m.unscattered_reflectance * light.r_unscattered,
             .t_u = m.unscattered_transmittance * light.t_unscattered,
-            .R = rest(light.r_diffuse, lost.r_diffuse),
-            .R_below = rest(light.r_diffuse, lost.r_diffuse_below),
-            .T = rest(light.t_diffuse, lost.t_diffuse)};
+            .R = light.r_diffuse,
+            .T = light.t_diffuse};
 }
 
 double one_above(const SphereMeasurement& m, const Collected& c) {
@@ -77,8 +75,7 @@ double one_below(const SphereMeasurement& m, const Collected& c) {
     const Sphere s(m.below);
     const double r_cal = s.a_t == 0.0 ? s.r_w : s.r_std;
     const double r_third = s.a_t > 0.0 && m.unscattered_transmittance == 0.0 ? 0.0 : r_cal;
-    const double sample =
-        s.gain(c.R_below, r_third) * (s.first_bounce(r_third) * c.t + r_third * c.t_u);
+    const double sample = s.gain(c.R, r_third) * (s.first_bounce(r_third) * c.t + r_third * c.t_u);
     // iad's 100 % is what the standard returns of the open beam.
     return sample / (s.gain(0.0, r_cal) * (m.as_iad ? 1.0 : r_cal));
 }
@@ -86,7 +83,7 @@ double one_below(const SphereMeasurement& m, const Collected& c) {
 /// Light on a detector of two spheres: the one above, or below.
 double of_two(const SphereMeasurement& m, bool below, const Collected& c) {
     const Sphere above(m.above), under(m.below);
-    const double f = m.hits_wall, G = above.gain(c.R, 0.0), G_below = under.gain(c.R_below, 0.0);
+    const double f = m.hits_wall, G = above.gain(c.R, 0.0), G_below = under.gain(c.R, 0.0);
     const double passes = (1.0 - above.a_t) * (1.0 - under.a_t);
     // iad has the areas of the walls in place of their reflectances.
     const double walls = m.as_iad ? above.a_w * under.a_w : above.r_w * under.r_w;
@@ -128,8 +125,7 @@ constexpr Word kWords[] = {
      [](Words& m, bool) -> double& { return m.unscattered_reflectance; }},
     {"unscattered_transmittance",
      [](Words& m, bool) -> double& { return m.unscattered_transmittance; }},
-    {"hits_wall", [](Words& m, bool) -> double& { return m.hits_wall; }},
-    {"beam", [](Words& m, bool) -> double& { return m.beam_mm; }, kLargestMm}};
+    {"hits_wall", [](Words& m, bool) -> double& { return m.hits_wall; }}};
 
 void check(const IntegratingSphere& sphere) {
     if (!(sphere.diameter_mm > 0.0 && sphere.sample_port_mm > 0.0 && sphere.wall > 0.0 &&
@@ -164,9 +160,8 @@ SphereMeasurement SphereMeasurement::at(double wavelength_nm) const {
     return here;
 }
 
-double sphere_reading(const SphereMeasurement& m, bool transmitted, const SlabLight& light,
-                      const LostLight& lost) {
-    const Collected c = collected(m, light, lost);
+double sphere_reading(const SphereMeasurement& m, bool transmitted, const SlabLight& light) {
+    const Collected c = collected(m, light);
     if (m.spheres == 0) return transmitted ? c.t + c.t_u : c.r + c.r_u;
     if (m.spheres == 2) return two(m, transmitted, c);
     return transmitted ? one_below(m, c) : one_above(m, c);

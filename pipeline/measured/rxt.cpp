@@ -66,10 +66,9 @@ class RxtReader {
                                                  "reflectance_of_standard",
                                                  "spheres"};
         double last = 0.0;
-        double beam_mm = 0.0, standard = 1.0;
+        double standard = 1.0;
         for (const char* name : kNames) {
             last = number();
-            if (name == std::string_view("beam_diameter_mm")) beam_mm = last;
             if (name == std::string_view("reflectance_of_standard")) standard = last;
             list_.facts.emplace_back(name, fmt::format("{:g}", last));
         }
@@ -85,7 +84,6 @@ class RxtReader {
             for (double* part : {&sphere->diameter_mm, &sphere->sample_port_mm,
                                  &sphere->third_port_mm, &sphere->detector_port_mm, &sphere->wall})
                 *part = number();
-        spheres.beam_mm = beam_mm;
         spheres.above.standard = standard;
         if (last == 1.0 || last == 2.0) list_.spheres = std::move(spheres);
     }

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cstdint>
 
-#include "materials/readers/text.h"
 #include "pipeline/io/markup.h"
 
 namespace miebrdf::plot {
@@ -90,7 +89,7 @@ void SvgDrawing::image(Point corner, double width, double height, const std::str
     body_ += fmt::format(
         "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
         "preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64,{}\"/>\n",
-        corner.x, corner.y, width, height, materials::base64(png));
+        corner.x, corner.y, width, height, base64(png));
 }
 
 void SvgDrawing::frame(Point corner, double width, double height, const Stroke& stroke) {

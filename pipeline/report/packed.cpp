@@ -9,7 +9,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "materials/readers/text.h"
+#include "pipeline/io/markup.h"
 
 namespace miebrdf::report {
 namespace {
@@ -100,7 +100,7 @@ std::string PageBytes::compressed(const nlohmann::json& root) const {
     if (compress2(packed.data(), &size, all.data(), static_cast<uLong>(all.size()), 9) != Z_OK)
         throw std::runtime_error("zlib cannot compress the page's numbers");
     packed.resize(size);
-    return materials::base64({reinterpret_cast<const char*>(packed.data()), packed.size()});
+    return base64({reinterpret_cast<const char*>(packed.data()), packed.size()});
 }
 
 }  // namespace miebrdf::report

@@ -1,7 +1,7 @@
 // The BTDF of a film: light scattered more than once from a table, light scattered once exactly.
 #include <fmt/format.h>
+#include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
-#include <miebrdf/layer_albedos.h>
 #include <miebrdf/version.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 #include <miebrdf/brdf.h>
-#include <miebrdf/layer_albedos.h>
 
 #include <algorithm>
 #include <cmath>

@@ -58,7 +58,6 @@ TEST_CASE("an rxt file says what its spheres are, and what differs between its w
         read_text(kHeader + "L r t w R\n600 0.3 0.1 0.97 0.99\n500 0.3 0.1 0.95 0.97\n");
     REQUIRE(list.spheres);
     CHECK(list.spheres->spheres == 1);
-    CHECK(list.spheres->beam_mm == 10);
     CHECK(list.spheres->above.detector_port_mm == 8);
     CHECK(list.spheres->below.third_port_mm == 0);
     CHECK(list.spheres->above.standard == 0.98);

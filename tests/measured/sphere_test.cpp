@@ -57,8 +57,6 @@ TEST_CASE("spheres with small ports, and two beams, read what the sample returns
     set_sphere_word(dual, "unscattered_reflectance", 0.0);
     CHECK(std::abs(sphere_reading(dual, false, light) - 0.36) <= 1e-15);
     CHECK(std::abs(sphere_reading(dual, true, light) - 0.3) <= 1e-15);
-    LostLight lost{.r_direct = 0.05};
-    CHECK(std::abs(sphere_reading(dual, false, light, lost) - 0.31) <= 1e-15);
 }
 
 TEST_CASE("words of spheres are refused with what is allowed", "[measured][sphere][errors]") {

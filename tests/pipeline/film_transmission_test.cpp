@@ -1,7 +1,6 @@
 // What passes a film, direction by direction.
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
-#include <miebrdf/layer_albedos.h>
 
 #include <fmt/format.h>
 #include <Eigen/LU>

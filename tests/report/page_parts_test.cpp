@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "materials/readers/text.h"
+#include "pipeline/io/markup.h"
 #include "pipeline/report/packed.h"
 #include "pipeline/report/report_data.h"
 #include "tests/support/catch.h"
@@ -10,11 +10,11 @@
 using namespace miebrdf;
 
 TEST_CASE("base64 is that of RFC 4648, section 10", "[report]") {
-    CHECK(materials::base64("") == "");
-    CHECK(materials::base64("f") == "Zg==");
-    CHECK(materials::base64("fo") == "Zm8=");
-    CHECK(materials::base64("foo") == "Zm9v");
-    CHECK(materials::base64("foobar") == "Zm9vYmFy");
+    CHECK(base64("") == "");
+    CHECK(base64("f") == "Zg==");
+    CHECK(base64("fo") == "Zm8=");
+    CHECK(base64("foo") == "Zm9v");
+    CHECK(base64("foobar") == "Zm9vYmFy");
 }
 
 TEST_CASE("a page says how its colours are weighted, where its wavelengths allow colours",

@@ -56,22 +56,18 @@ Table openpbr_table(const OpenPbrFit& fit) {
 
 void add_approximate(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<ApproximateArguments>();
-    command
-        .add_option("--model", arguments->model,
-                    "openpbr (colours); or at each wavelength the numbers of a ground, as in "
-                    "--substrate: rpv, ross-li, hapke, lambert")
+    option(command, "--model", arguments->model, "NAME",
+           "openpbr fits colours; rpv, ross-li, hapke and lambert fit the numbers of a ground at "
+           "each wavelength, as --substrate takes them")
         ->required()
         ->check(CLI::IsMember({"openpbr", "rpv", "ross-li", "hapke", "lambert"}));
     arguments->scene.add_to(command, shell);
     default_to_reciprocal(command);
-    command
-        .add_option("--rgb", arguments->rgb,
-                    "of openpbr, colours: cie (observer and D65), wavelengths (the nearest to 620, "
-                    "535, 480 "
-                    "nm), auto: cie where the wavelengths cover the visible")
-        ->capture_default_str();
+    option(command, "--rgb", arguments->rgb, "HOW",
+           "how the colours of openpbr are made: cie (observer and D65), wavelengths (the nearest "
+           "to 620, 535 and 480 nm), or auto (cie if the wavelengths cover the visible)");
     command.add_flag("--acescg", arguments->acescg,
-                     "of openpbr: colours in ACEScg, not in linear sRGB");
+                     "give the colours of openpbr in ACEScg, in place of linear sRGB");
     shell.add_common_options(command);
     command.footer(
         "Example:\n  miebrdf approximate --model openpbr --base "
@@ -82,19 +78,18 @@ void add_approximate(CLI::App& command, Shell& shell) {
         return [brdf, arguments, &shell] {
             const BrdfTable source = brdf.table({.command_line = shell.command_line()});
             const std::string& model = arguments->model;
+            Table table;
             if (model == "openpbr") {
                 ExportOptions options;
                 options.rgb = arguments->rgb;
                 options.extra["acescg"] = arguments->acescg ? 1 : 0;
                 options.subsurface = subsurface_of(brdf);
-                shell.write(openpbr_table(fit_openpbr(source, options, shell.control())));
+                table = openpbr_table(fit_openpbr(source, options, shell.control()));
             } else {
-                shell.write(
-                    ground_table(fit_ground(source, model, shell.control()), source, model));
+                table = ground_table(fit_ground(source, model, shell.control()), source, model);
             }
-            if (source.report().converged()) return kGood;
-            shell.note(source.report().summary());
-            return kNotConverged;
+            if (!source.report().converged()) shell.note(source.report().summary());
+            return shell.write(std::move(table), source.report().converged());
         };
     });
 }

@@ -9,7 +9,6 @@
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
-#include <miebrdf/layer_albedos.h>
 #include <miebrdf/version.h>
 #include "pipeline/solve/single_scattering.h"
 #include "tools/miebrdf/command.h"

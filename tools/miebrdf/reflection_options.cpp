@@ -127,13 +127,9 @@ void BrdfArguments::add_to(CLI::App& command, Shell& shell) {
            "brdf (1/sr), reflection (pi times it) or hdrf (hemispherical-directional reflectance "
            "factor, of sun and sky together)");
     add_diffuse_fraction(command, diffuse_fraction_, "belongs to --quantity hdrf");
-    command
-        .add_option("--sky", sky_,
-                    "of --quantity hdrf, where the share comes from: uniform, cie-clear, "
-                    "cie-overcast, or a CSV file zenith_deg,azimuth_deg,radiance (azimuth from the "
-                    "sun), perhaps with wavelength_nm")
-        ->type_name("SKY")
-        ->capture_default_str();
+    option(command, "--sky", sky_, "SKY",
+           "the sky of --quantity hdrf: uniform, cie-clear, cie-overcast, or a CSV file "
+           "zenith_deg,azimuth_deg,radiance (azimuth from the sun), perhaps with wavelength_nm");
     add_derivatives(command, derivatives_);
     colour_.add_to(command);
 }
@@ -190,8 +186,9 @@ void AlbedoArguments::add_to(CLI::App& command, Shell& shell) {
            "albedo of the layers over a dark and over a light ground, each written as for "
            "--substrate, in place of --base or --substrate. black,white is a drawdown over a chart "
            "(white: albedo 0.8): contrast ratio and, with --colour, hiding power");
-    command.add_flag("--gloss", gloss_,
-                     "gloss at 20, 60 and 85 degrees in gloss units (ISO 2813) instead of albedos");
+    command.add_flag(
+        "--gloss", gloss_,
+        "print gloss at 20, 60 and 85 degrees in gloss units (ISO 2813), in place of albedos");
     colour_.add_to(command);
 }
 

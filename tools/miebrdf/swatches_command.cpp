@@ -254,7 +254,7 @@ int run_swatches(const SwatchArguments& arguments, const std::vector<ShownScene>
         shell.write_text(page_of(sheet, draw(sheet, caption), caption.title));
         shell.tell_written({.columns = {"file"}, .rows = {{output}}});
     } else {
-        shell.write(std::move(sheet.table));
+        return shell.write(std::move(sheet.table), sheet.converged);
     }
     return sheet.converged ? kGood : kNotConverged;
 }
@@ -263,27 +263,18 @@ int run_swatches(const SwatchArguments& arguments, const std::vector<ShownScene>
 
 void add_swatches(CLI::App& command, Shell& shell) {
     auto arguments = std::make_shared<SwatchArguments>();
-    command
-        .add_option("scenes", arguments->files,
-                    "scene files: a row for each [scene.NAME], or for each result of a file that "
-                    "names no scenes")
-        ->type_name("SCENE.toml");
+    option(command, "scenes", arguments->files, "SCENE.toml",
+           "scene files: a row for each [scene.NAME], or for each result of a file that names no "
+           "scenes");
     arguments->scenes->scene.add_to(command, shell, SceneArguments::Base::optional, "400:700:10");
     add_scene_choices(command, arguments->scenes);
     arguments->mu_in.add_to(command, "cosine of the angle of incidence, in (0, 1]",
                             "0.990268 (8 degrees)");
-    command
-        .add_option("--over", arguments->over,
-                    "the dark and the light ground below scenes that have neither base nor "
-                    "substrate, each as in --substrate; white has an albedo of 0.8")
-        ->type_name("GROUNDS")
-        ->capture_default_str();
-    command
-        .add_option(
-            "--colour,--color", arguments->viewing,
-            "illuminant d65, d50, a or e and, after a comma, the observer's degrees: d65,10")
-        ->type_name("ILLUMINANT")
-        ->capture_default_str();
+    option(command, "--over", arguments->over, "GROUNDS",
+           "the dark and the light ground below scenes that have neither base nor substrate, each "
+           "written as for --substrate; white has an albedo of 0.8");
+    option(command, "--colour,--color", arguments->viewing, "ILLUMINANT",
+           "illuminant d65, d50, a or e and, after a comma, the observer's degrees: d65,10");
     arguments->scenes->plot.add_to(command);
     shell.add_common_options(command);
     command.footer(

@@ -50,4 +50,13 @@ void show_brdf() {
     std::cout << brdf.sources().size() << " sources, tolerance " << brdf.options().tolerance << ", "
               << describe(brdf.scene()) << " at " << brdf.wavelength_nm().size()
               << " wavelengths, solved: " << brdf.report().converged() << '\n';
+
+    Scene film{.layers = {layer("hg:0.9,0.6@1")}};
+    film.substrate = substrate("none");
+    const FilmTransmission passed(solve(film, {550}));
+    const std::vector<Direction> straight_on{{0.8, 0.7, 0.0}};
+    double btdf = 0.0;
+    passed.evaluate(straight_on, {&btdf, 1});
+    std::cout << passed.provenance().component << ": " << btdf << " / sr, unscattered "
+              << passed.unscattered(0, 0.8) << ", " << kTransmitted << '\n';
 }

@@ -14,13 +14,4 @@ void show_layer_albedos() {
     for (const double albedo : miebrdf::subsurface_albedo(colour, g, below_glass))
         std::cout << albedo << '\n';
     std::cout << miebrdf::subsurface_colour(w, g, index).front() << '\n';
-
-    miebrdf::Scene film{.layers = {miebrdf::layer("hg:0.9,0.6@1")}};
-    film.substrate = miebrdf::substrate("none");
-    const miebrdf::FilmTransmission passed(miebrdf::solve(film, {550}));
-    const std::vector<miebrdf::Direction> straight_on{{0.8, 0.7, 0.0}};
-    double btdf = 0.0;
-    passed.evaluate(straight_on, {&btdf, 1});
-    std::cout << passed.provenance().component << ": " << btdf << " / sr, unscattered "
-              << passed.unscattered(0, 0.8) << ", " << miebrdf::kTransmitted << '\n';
 }

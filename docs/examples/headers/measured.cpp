@@ -29,8 +29,7 @@ void show_measured() {
     spheres.rows = {SphereRow{.wavelength_nm = 550, .wall_above = 0.97}};
     validate(spheres);
     const SlabLight sample{.r_direct = 0.5, .r_diffuse = 0.55};
-    std::cout << sphere_reading(spheres.at(550), false, sample, LostLight{.r_direct = 0.01})
-              << " in the sphere\n";
+    std::cout << sphere_reading(spheres.at(550), false, sample) << " in the sphere\n";
 
     // Directions become a BRDF that can be exported and rendered.
     Measurements goniometer;

@@ -7,8 +7,8 @@
 #include <miebrdf/error.h>
 #include <miebrdf/formats.h>
 #include "pipeline/formats/check/check.h"
+#include "pipeline/formats/common/least_squares.h"
 #include "pipeline/solve/parallel.h"
-#include "rte/math/matrices.h"
 
 namespace miebrdf {
 namespace {
@@ -63,52 +63,32 @@ class GroundSearch {
         return result;
     }
 
-    rte::GroundBrdf with(rte::GroundBrdf ground, std::size_t p, double value) const {
-        const rte::GroundParameter& of = ground.model().parameters[p];
-        ground.values[p] = std::clamp(value, of.low, of.high);
-        if (ground.kind == Kind::rpv) ground.values[3] = ground.values[0];
-        return ground;
-    }
-
-    /// Levenberg's and Marquardt's steps; the sum of squares that is left.
-    double improve(rte::GroundBrdf& ground) const {
+    /// The sum of squares that is left.
+    double improve(rte::GroundBrdf& ground, const Control& control) const {
         constexpr int kSteps = 200;
-        constexpr double kDone = 1e-10, kDifference = 1e-6;
-        const auto count = Eigen::Index(unknowns_);
-        Eigen::VectorXd here = residuals(ground);
-        double damping = 1e-3;
-        for (int step = 0; step < kSteps; ++step) {
-            Eigen::MatrixXd slopes(here.size(), count);
-            for (Eigen::Index p = 0; p < count; ++p) {
-                const double value = ground.values[std::size_t(p)];
-                const rte::GroundBrdf more = with(ground, std::size_t(p), value + kDifference);
-                const rte::GroundBrdf less = with(ground, std::size_t(p), value - kDifference);
-                slopes.col(p) = (residuals(more) - residuals(less)) /
-                                (more.values[std::size_t(p)] - less.values[std::size_t(p)]);
-            }
-            const double before = here.squaredNorm();
-            bool better = false;
-            for (int attempt = 0; attempt < 10 && !better; ++attempt) {
-                Eigen::MatrixXd normal = slopes.transpose() * slopes;
-                normal.diagonal() *= 1.0 + damping;
-                normal.diagonal().array() += 1e-14;
-                Eigen::MatrixXd inverse;
-                if (!math::invert_positive_definite(normal, inverse)) break;
-                const Eigen::VectorXd uphill = slopes.transpose().lazyProduct(here);
-                const Eigen::VectorXd change = -inverse.lazyProduct(uphill);
-                rte::GroundBrdf moved = ground;
-                for (Eigen::Index p = 0; p < count; ++p)
-                    moved = with(moved, std::size_t(p), ground.values[std::size_t(p)] + change[p]);
-                const Eigen::VectorXd there = residuals(moved);
-                better = there.squaredNorm() < before;
-                damping = better ? damping / 5.0 : damping * 5.0;
-                if (!better) continue;
-                ground = moved;
-                here = there;
-            }
-            if (!better || here.squaredNorm() > (1.0 - kDone) * before) break;
+        const auto with = [&](const std::vector<double>& numbers) {
+            rte::GroundBrdf moved = ground;
+            std::copy(numbers.begin(), numbers.end(), moved.values.begin());
+            if (ground.kind == Kind::rpv) moved.values[3] = moved.values[0];
+            return moved;
+        };
+        BoundedSearch search{
+            {},
+            {},
+            [&](const std::vector<double>& numbers) { return residuals(with(numbers)); },
+            1e-6,
+            1e-10};
+        for (std::size_t p = 0; p < unknowns_; ++p) {
+            search.low.push_back(ground.model().parameters[p].low);
+            search.high.push_back(ground.model().parameters[p].high);
         }
-        return here.squaredNorm();
+        std::vector<double> numbers(ground.values.begin(),
+                                    ground.values.begin() + std::ptrdiff_t(unknowns_));
+        for (std::size_t p = 0; p < unknowns_; ++p)
+            numbers[p] = std::clamp(numbers[p], search.low[p], search.high[p]);
+        const double left = miebrdf::improve(search, numbers, kSteps, control);
+        ground = with(numbers);
+        return left;
     }
 
   private:
@@ -118,7 +98,7 @@ class GroundSearch {
     double mean_ = 0.0;
 };
 
-/// Steep and flat, forward and backward: starts of the search.
+/// Steep and flat, forward and backward, with narrow and broad surges: starts of the search.
 std::vector<rte::GroundBrdf> starts(Kind kind, double mean) {
     switch (kind) {
         case Kind::rpv:
@@ -130,7 +110,8 @@ std::vector<rte::GroundBrdf> starts(Kind kind, double mean) {
     }
     return {{kind, {0.5, 0.3, 0.3, 0.5, 0.06, 15}},
             {kind, {0.9, 0.4, -0.5, 0.2, 0.1, 5}},
-            {kind, {0.2, 0.2, 0.0, 1.0, 0.05, 25}}};
+            {kind, {0.2, 0.2, 0.0, 1.0, 0.05, 25}},
+            {kind, {0.9, 0.4, -0.5, 0.5, 1.0, 5}}};
 }
 
 }  // namespace
@@ -167,7 +148,7 @@ GroundFit fit_ground(const BrdfSource& source, const std::string& model, const C
         const GroundSearch search(directions, std::move(reflection), fit.parameters.size());
         double least = std::numeric_limits<double>::infinity();
         for (rte::GroundBrdf start : starts(kind, search.mean())) {
-            const double left = search.improve(start);
+            const double left = search.improve(start, control);
             if (left >= least) continue;
             least = left;
             fit.grounds[c] = start;

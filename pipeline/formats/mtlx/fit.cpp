@@ -1,4 +1,4 @@
-// The OpenPBR surface nearest to a BRDF: Levenberg and Marquardt's least squares between bounds.
+// The OpenPBR surface nearest to a BRDF.
 #include <fmt/format.h>
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 #include "pipeline/formats/check/check.h"
 #include "pipeline/formats/common/export_job.h"
 #include "pipeline/formats/common/finite_source.h"
+#include "pipeline/formats/common/least_squares.h"
 #include "pipeline/formats/mtlx/openpbr.h"
-#include "rte/math/matrices.h"
 
 namespace miebrdf {
 namespace {
@@ -104,71 +104,30 @@ class Search {
 
     /// Improves a surface by what may change of it; the sum of squares that is left.
     double improve(OpenPbr& surface, const std::vector<Unknown>& unknowns, int steps) {
-        constexpr double kDone = 1e-5;
-        Eigen::VectorXd here = residuals(surface);
-        double damping = 1e-2;
-        for (int step = 0; step < steps; ++step) {
-            if (control_.is_cancelled && control_.is_cancelled()) throw Cancelled();
-            const double before = here.squaredNorm();
-            const Eigen::MatrixXd slopes = slopes_at(surface, unknowns, here);
-            bool better = false;
-            for (int attempt = 0; attempt < 8 && !better; ++attempt) {
-                OpenPbr moved = surface;
-                move(moved, unknowns, slopes, here, damping);
-                const Eigen::VectorXd there = residuals(moved);
-                better = there.squaredNorm() < before;
-                damping = std::max(better ? damping / 5.0 : damping * 5.0, 1e-9);
-                if (!better) continue;
-                surface = moved;
-                here = there;
-            }
-            if (!better || here.squaredNorm() > (1.0 - kDone) * before) break;
+        const auto with = [&](const std::vector<double>& numbers) {
+            OpenPbr moved = surface;
+            for (std::size_t u = 0; u < unknowns.size(); ++u) unknowns[u].of(moved) = numbers[u];
+            return moved;
+        };
+        // The difference is large against the error of tabulated albedos (1e-5).
+        BoundedSearch search{
+            {},
+            {},
+            [&](const std::vector<double>& numbers) { return residuals(with(numbers)); },
+            3e-3,
+            1e-5};
+        std::vector<double> numbers;
+        for (const Unknown& unknown : unknowns) {
+            search.low.push_back(unknown.low);
+            search.high.push_back(unknown.high);
+            numbers.push_back(unknown.of(surface));
         }
-        return here.squaredNorm();
+        const double left = miebrdf::improve(search, numbers, steps, control_);
+        surface = with(numbers);
+        return left;
     }
 
   private:
-    Eigen::MatrixXd slopes_at(const OpenPbr& surface, const std::vector<Unknown>& unknowns,
-                              const Eigen::VectorXd& here) {
-        // Large against the error of tabulated albedos (1e-5).
-        constexpr double kDifference = 3e-3;
-        Eigen::MatrixXd slopes(here.size(), Eigen::Index(unknowns.size()));
-        for (std::size_t u = 0; u < unknowns.size(); ++u) {
-            OpenPbr moved = surface;
-            double& value = unknowns[u].of(moved);
-            const double by = value + kDifference > unknowns[u].high ? -kDifference : kDifference;
-            value += by;
-            slopes.col(Eigen::Index(u)) = (residuals(moved) - here) / by;
-        }
-        return slopes;
-    }
-
-    /// A step of Levenberg and Marquardt's. Unknowns that are at a bound and drawn beyond it stay
-    /// there and out of the equations: the others would move for a change that does not happen.
-    static void move(OpenPbr& surface, const std::vector<Unknown>& unknowns,
-                     const Eigen::MatrixXd& slopes, const Eigen::VectorXd& here, double damping) {
-        const Eigen::VectorXd gradient = slopes.transpose().lazyProduct(here);
-        std::vector<Eigen::Index> moving;
-        for (std::size_t u = 0; u < unknowns.size(); ++u) {
-            const double value = unknowns[u].of(surface), slope = gradient[Eigen::Index(u)];
-            if (!(slope > 0.0 ? value <= unknowns[u].low : value >= unknowns[u].high))
-                moving.push_back(Eigen::Index(u));
-        }
-        const Eigen::MatrixXd of_moving = slopes(Eigen::all, moving);
-        Eigen::MatrixXd normal = of_moving.transpose() * of_moving;
-        normal.diagonal() *= 1.0 + damping;
-        normal.diagonal().array() += 1e-12;
-        Eigen::MatrixXd inverse;
-        if (moving.empty() || !math::invert_positive_definite(normal, inverse)) return;
-        const Eigen::VectorXd uphill = gradient(moving);
-        const Eigen::VectorXd change = -inverse.lazyProduct(uphill);
-        for (std::size_t m = 0; m < moving.size(); ++m) {
-            const Unknown& unknown = unknowns[std::size_t(moving[m])];
-            double& value = unknown.of(surface);
-            value = std::clamp(value + change[Eigen::Index(m)], unknown.low, unknown.high);
-        }
-    }
-
     std::vector<FittedRegion> regions_;
     const Control& control_;
     std::vector<double> truth_, scale_;

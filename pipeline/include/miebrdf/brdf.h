@@ -384,5 +384,43 @@ class Brdf {
 Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options = {}, const Control& control = {});
 
+/// Provenance::component of a FilmTransmission.
+inline constexpr char kTransmitted[] = "transmitted";
+
+/// The BTDF of a film in air (substrate none, or black without a boundary), 1/sr without the
+/// cosine: light from mu_in above leaves below at mu_out, the cosine from the normal of that side;
+/// azimuth 0 goes straight on. From below upwards the BTDF is the same with mu_in and mu_out
+/// exchanged, as both sides are in air. Light as a number, without polarisation; made for
+/// export_brdf and for loops, as BrdfTable. Copies share their data. Spheres of several wavelengths
+/// send most of their light into a narrow cone about the straight beam, of which what is scattered
+/// twice and more is spread too widely (delta-M): `report` has the light that is missing.
+class FilmTransmission : public BrdfSource {
+  public:
+    /// Solves all wavelengths.
+    /// @throws UsageError  with the reason where nothing passes or no direction of it is known:
+    ///         half-spaces, grounds, metals, surfaces, rough boundaries
+    explicit FilmTransmission(const Brdf& film, const std::string& command_line = {});
+
+    const std::vector<std::string>& channels() const override;
+    const std::vector<double>& wavelength_nm() const override;
+    /// left_out tells the unscattered share, a delta that no value holds.
+    const Provenance& provenance() const override;
+    /// @throws UsageError  as BrdfTable
+    void evaluate(std::span<const Direction> directions, std::span<double> values) const override;
+
+    /// The share of a beam that passes without being scattered, in [0, 1]; all else that passes is
+    /// the integral of BTDF times mu_out.
+    /// @throws UsageError  for an index beyond its list and a cosine outside (0, 1]
+    double unscattered(std::size_t wavelength, double mu_in) const;
+
+    /// Its error estimates include the light that the directions and the unscattered share together
+    /// miss of the plane transmittance along the normal, relative to that.
+    const ResultReport& report() const;
+
+  private:
+    struct State;
+    std::shared_ptr<const State> state_;
+};
+
 }  // namespace miebrdf
 #pragma GCC visibility pop

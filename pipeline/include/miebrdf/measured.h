@@ -96,13 +96,6 @@ struct SlabLight {
     double r_diffuse = 0.0, t_diffuse = 0.0;                                          ///< [0, 1]
 };
 
-/// Shares of the light that leave the sample beside its ports: of a beam, of diffuse light on its
-/// upper port, and (below) on its lower port.
-struct LostLight {
-    double r_direct = 0.0, t_direct = 0.0;                           ///< in [0, 1]
-    double r_diffuse = 0.0, t_diffuse = 0.0, r_diffuse_below = 0.0;  ///< in [0, 1]
-};
-
 /// Numbers of the spheres that differ from wavelength to wavelength.
 struct SphereRow {
     double wavelength_nm = 0.0;
@@ -117,7 +110,6 @@ struct SphereMeasurement {
     /// Shares of the unscattered light that the sphere gets; below 1 by an open port.
     double unscattered_reflectance = 1.0, unscattered_transmittance = 1.0;
     double hits_wall = 0.0;            ///< share of the beam that misses the sample
-    double beam_mm = 0.0;              ///< diameter; 0: a point
     bool as_iad = false;               ///< normalised as iad 3 and 4 do (docs/fitting.md)
     std::vector<SphereRow> rows = {};  ///< wavelengths ascending, linear between them
 
@@ -126,11 +118,10 @@ struct SphereMeasurement {
 };
 
 /// The reflectance, or transmittance, that is read off. @pre validate(spheres)
-double sphere_reading(const SphereMeasurement& spheres, bool transmitted, const SlabLight& light,
-                      const LostLight& lost = {});
+double sphere_reading(const SphereMeasurement& spheres, bool transmitted, const SlabLight& light);
 /// Sets a number by its word: diameter, sample_port, third_port, detector_port (mm), wall,
 /// detector, standard, baffle and dual_beam (0 or 1), unscattered_reflectance,
-/// unscattered_transmittance, hits_wall, beam (mm).
+/// unscattered_transmittance, hits_wall.
 /// @param other  of the sphere below alone
 /// @throws UsageError  for unknown words, and numbers out of range
 void set_sphere_word(SphereMeasurement& spheres, const std::string& word, double value,
