@@ -113,14 +113,20 @@ bool may_suffice(const Format& format, const ExportJob& job, int resolution, dou
     return expected <= near;
 }
 
+/// What finer files would do.
+struct Finer {
+    int sufficient = 0;  ///< the resolution that would do; 0: none
+    std::string advice;
+};
+
 /// Tries finer and finer files, in memory, for a resolution that would do.
-std::string advice(const Format& format, const FormatFile& part, const ExportJob& job,
-                   const AcceptedErrors& accepted, RegionDeviation reached) {
+Finer try_finer(const Format& format, const FormatFile& part, const ExportJob& job,
+                const AcceptedErrors& accepted, RegionDeviation reached) {
     ExportOptions options = job.options;
     const int finest = format.resolution.finest;
     if (options.resolution >= finest) {
-        return fmt::format("the format has no finer one; a table ({}) can hold it",
-                           names_of_tables());
+        return {0, fmt::format("the format has no finer one; a table ({}) can hold it",
+                               names_of_tables())};
     }
     while (options.resolution < finest) {
         options.resolution = next_finer(format, job, options.resolution);
@@ -130,30 +136,32 @@ std::string advice(const Format& format, const FormatFile& part, const ExportJob
         const Deviation found =
             compare(*read_brdf_file(std::move(out).str(), format.name, {&format, 1}), part, job);
         const RegionDeviation* miss = worst_region(found, accepted);
-        if (miss == nullptr)
-            return fmt::format("resolution {} reaches {:.2g}", options.resolution,
-                               std::max(found.rms[0], found.lobe));
+        if (miss == nullptr) {
+            return {options.resolution,
+                    fmt::format("resolution {} reaches {:.2g}", options.resolution,
+                                std::max(found.rms[0], found.lobe))};
+        }
         const double before = excess_of(reached, accepted), now = excess_of(*miss, accepted);
         reached = *miss;
         if (!may_suffice(format, job, options.resolution, before, now)) break;
     }
-    return fmt::format(
-        "resolution {} reaches no less than {:.2g} at {}{}; a table ({}) can hold it",
-        options.resolution, reached.rms, reached.name,
-        options.resolution < finest ? ", and finer ones gain too little" : "", names_of_tables());
+    return {0, fmt::format(
+                   "resolution {} reaches no less than {:.2g} at {}{}; a table ({}) can hold it",
+                   options.resolution, reached.rms, reached.name,
+                   options.resolution < finest ? ", and finer ones gain too little" : "",
+                   names_of_tables())};
 }
 
-[[noreturn]] void refuse(const Format& format, const FormatFile& part, const ExportJob& job,
-                         const AcceptedErrors& accepted, const Deviation& found,
-                         const RegionDeviation& worst) {
+[[noreturn]] void refuse(const Format& format, const ExportJob& job, const AcceptedErrors& accepted,
+                         const Deviation& found, const RegionDeviation& worst,
+                         const std::string& advice) {
     throw TooCoarse(fmt::format(
         "format '{}' at resolution {} misses this BRDF at {}: by {:.2g} (rms), {:+.0f} % at mu_in "
         "{:.3g}, mu_out {:.3g}, azimuth {:.4g}; by region (rms): {}; allowed: {:.2g} at mu > 0.2 "
         "and near mirror, {:.2g} at retro-reflection and zenith, {:.2g} at mu < 0.2; {}",
         format.name, job.options.resolution, worst.name, worst.rms, 100.0 * worst.worst,
         worst.where.mu_in, worst.where.mu_out, worst.where.azimuth_deg, regions_of(found),
-        accepted.plain, accepted.peaks, accepted.grazing,
-        advice(format, part, job, accepted, worst)));
+        accepted.plain, accepted.peaks, accepted.grazing, advice));
 }
 
 /// A file that has passed, and waits for those that belong to it.
@@ -162,8 +170,11 @@ struct PassedFile {
     std::unique_ptr<AtomicFile> file;
 };
 
-PassedFile write_and_compare(const Format& format, const FormatFile& part, const ExportJob& job,
-                             const ExportJob& truth, const fs::path& path) {
+/// @param finer  where a finer resolution is put that is needed, and nothing returned; null: what
+///               misses is refused
+std::optional<PassedFile> write_and_compare(const Format& format, const FormatFile& part,
+                                            const ExportJob& job, const ExportJob& truth,
+                                            const fs::path& path, int* finer) {
     const AcceptedErrors accepted = accepted_by(format, job.options);
     ExportedFile written{with_suffix(path, part.suffix), 0, {}};
     auto file = std::make_unique<AtomicFile>(written.path);
@@ -179,25 +190,42 @@ PassedFile write_and_compare(const Format& format, const FormatFile& part, const
     written.bytes = fs::file_size(temporary);
     written.deviation = compare(*open_brdf_file(temporary, {&format, 1}), part, truth);
     const RegionDeviation* miss = worst_region(*written.deviation, accepted);
-    if (miss != nullptr && !job.options.accept_error)
-        refuse(format, part, job, accepted, *written.deviation, *miss);
-    return {std::move(written), std::move(file)};
+    if (miss != nullptr && !job.options.accept_error) {
+        const Finer tried = try_finer(format, part, job, accepted, *miss);
+        if (finer == nullptr || tried.sufficient == 0)
+            refuse(format, job, accepted, *written.deviation, *miss, tried.advice);
+        *finer = tried.sufficient;
+        return std::nullopt;
+    }
+    return PassedFile{std::move(written), std::move(file)};
 }
 
 /// @param given  what the job's sources were made of: a solved table is written from one for many
 ///               directions, and compared with itself
+/// @param options  the job's; with `is_standard` a finer resolution takes the place of a standard
+///                 that does not suffice
 std::vector<ExportedFile> export_sampled(const Format& format, const ExportJob& job,
-                                         const BrdfSource& given, const fs::path& path) {
+                                         const BrdfSource& given, const fs::path& path,
+                                         bool is_standard, ExportOptions& options) {
     const auto* const table = dynamic_cast<const BrdfTable*>(&given);
     std::optional<BrdfTable> fast;
     if (table != nullptr) fast = for_many_directions(*table, job.control);
     const FiniteSource spectral(fast ? *fast : given);
     const RgbSource rgb(spectral, job.rgb.weights());
-    const ExportJob written{spectral, rgb, job.options, job.control};
+    const int standard = options.resolution;
     std::vector<PassedFile> passed;
     passed.reserve(format.files.size());
-    for (const FormatFile& part : format.files)
-        passed.push_back(write_and_compare(format, part, written, job, path));
+    while (passed.size() < format.files.size()) {
+        const FormatFile& part = format.files[passed.size()];
+        const ExportJob written{spectral, rgb, options, job.control};
+        auto one = write_and_compare(format, part, written, job, path,
+                                     is_standard ? &options.resolution : nullptr);
+        if (one && options.resolution != standard) one->written.resolution = options.resolution;
+        if (one)
+            passed.push_back(std::move(*one));
+        else
+            passed.clear();
+    }
     // Not before all of them are there: half of a pair is of no use.
     std::vector<ExportedFile> files;
     for (PassedFile& one : passed) {
@@ -239,13 +267,14 @@ std::vector<ExportedFile> export_brdf(const BrdfSource& given, const Format& for
             format.name, fmt::join(kHoldTransmitted, ", ")));
     }
     const FiniteSource source(given);
-    const ExportOptions ready = ready_options(format, options);
+    ExportOptions ready = ready_options(format, options);
     require_ascending(format, source.wavelength_nm());
     const RgbSource rgb(source, colours_of(format, ready, source));
     const ExportJob job{source, rgb, ready, control};
-    std::vector<ExportedFile> files = format.content == FormatContent::sampled
-                                          ? export_sampled(format, job, given, path)
-                                          : export_tables(format, job, path);
+    std::vector<ExportedFile> files =
+        format.content == FormatContent::sampled
+            ? export_sampled(format, job, given, path, options.resolution == 0, ready)
+            : export_tables(format, job, path);
     if (format.sidecar != nullptr) {
         AtomicFile sidecar(path.string() + ".json");
         sidecar.stream() << format.sidecar(job);

@@ -165,6 +165,8 @@ std::string ResultReport::summary() const {
     std::string estimate = fmt::format("solver's error estimate {:.1e} (tolerance {:.1e})",
                                        least.error_estimate, tolerance);
     if (converged()) return estimate;
+    // Something else than the estimate: polarisation that was left out.
+    if (least.error_estimate <= tolerance) return "not converged: " + shortfalls().front();
     double share = 0.0;
     for (const WavelengthReport& report : wavelengths)
         share += report.solver.share_within_tolerance / static_cast<double>(wavelengths.size());

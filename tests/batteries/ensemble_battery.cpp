@@ -4,7 +4,9 @@
 //     ensemble_battery TRUTH [PART...]     PART: averages, points, tables, matrices; each with
 //                                          rare- before it for cases that constants were made for
 //
-// TRUTH and TRUTH.rare are files that hold the sums; they are made if they are not there (minutes).
+// MIEBRDF_SEED in the environment: other random cases than those of seed 0, with a TRUTH of their
+// own. TRUTH and TRUTH.rare are files that hold the sums; they are made if they are not there
+// (minutes).
 #include <miebrdf/ensemble.h>
 #include <miebrdf/sphere.h>
 
@@ -47,7 +49,7 @@ void put_angles(Dice& dice, Spheres& s) {
 
 // Rippling spheres of every size, by rays and by sizes, and some that absorb.
 std::vector<Spheres> random_spheres() {
-    Dice dice(7);
+    Dice dice(7 + 1000 * constants::seed_of_run());
     std::vector<Spheres> all;
     for (int i = 0; i < 36; ++i) {
         Spheres s;
@@ -66,7 +68,7 @@ std::vector<Spheres> random_spheres() {
 // Five of each: huge and clear, narrow in size, metals, faint ones of many rays that cross, coated,
 // broad.
 std::vector<Spheres> rare_spheres() {
-    Dice dice(11);
+    Dice dice(11 + 1000 * constants::seed_of_run());
     std::vector<Spheres> all;
     const auto add = [&](Kind kind, std::complex<double> index, double radius_um, double variance) {
         Spheres s{index, {}};

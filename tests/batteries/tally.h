@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <string>
 #include <vector>
@@ -36,6 +37,12 @@ class Tally {
   private:
     std::vector<double> in_tolerances_, of_stated_;
 };
+
+/// MIEBRDF_SEED in the environment: other random cases than those of seed 0.
+inline unsigned seed_of_run() {
+    const char* const text = std::getenv("MIEBRDF_SEED");
+    return unsigned(text != nullptr ? std::atoi(text) : 0);
+}
 
 inline void print_header() {
     std::puts(

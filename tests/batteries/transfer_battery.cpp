@@ -3,7 +3,7 @@
 //
 //     transfer_battery TRUTH [PART...]
 //
-// MIEBRDF_SEED in the environment: other random stacks than those of seed 0.
+// Seeds as there.
 // PART: media, coats, smooth, rough, spheres; rare-media, rare-coats, rare-smooth, rare-spheres:
 // peaks up to g = .995, thin and deep and dark layers, steps of the index, grazing directions;
 // rare-glories: spheres near retro-reflection; rare-values: single values of such media; hidden:
@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -323,8 +322,7 @@ int main(int count, char** arguments) {
         return 2;
     }
     constants::print_header();
-    const char* const text = std::getenv("MIEBRDF_SEED");
-    unsigned seed = 1 + 1000 * unsigned(text != nullptr ? std::atoi(text) : 0);
+    unsigned seed = 1 + 1000 * constants::seed_of_run();
     for (const Part& part : all_parts()) {
         const unsigned own_seed = seed++;
         if (!constants::is_wanted(part.name, count, arguments)) continue;

@@ -22,6 +22,8 @@ namespace {
 std::string describe(const ExportedFile& file) {
     std::string text = file.path.string();
     text += file.bytes > 0 ? fmt::format(": {} bytes", file.bytes) : ": written";
+    if (file.resolution > 0)
+        text += fmt::format(", --resolution {} (the standard is too coarse here)", file.resolution);
     if (!file.deviation) return text + ", exact at its directions";
     text += "; read back as its readers do, relative errors (rms, and the worst value):";
     for (const RegionDeviation& region : file.deviation->regions)

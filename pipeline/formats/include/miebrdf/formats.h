@@ -160,7 +160,9 @@ struct SubsurfaceMedium {
 
 /// Options that a format does not take are not looked at.
 struct ExportOptions {
-    int resolution = 0;               ///< Format::resolution; 0: its standard
+    /// Format::resolution; 0: its standard, or the first finer one that errs by no more than is
+    /// accepted.
+    int resolution = 0;
     rte::Directions directions = {};  ///< empty lists: by the resolution
     /// Colours: "cie" (1931 observer, D65), "wavelengths" (the nearest to 620, 535 and 480 nm), or
     /// "auto": cie where the wavelengths cover the visible.
@@ -217,6 +219,7 @@ struct ExportedFile {
     std::filesystem::path path;          ///< of the file
     std::uintmax_t bytes = 0;            ///< 0: a pipe or device
     std::optional<Deviation> deviation;  ///< of what was read back; tables are exact
+    int resolution = 0;  ///< 0: that of the options, or the format's standard; else a finer one
 };
 
 /// A file would be further from the BRDF than accepted. Nothing was written.
