@@ -118,6 +118,11 @@ TEST_CASE("a lobe too sharp for the resolution is refused with the error and wha
     const support::SharpMaterial narrow(support::seven_wavelengths(), 0.02);
     CHECK_THROWS_WITH(export_brdf(narrow, "klems", folder / "narrow.xml"),
                       Catch::Contains("near mirror") && Catch::Contains("no finer one"));
+    // Nobody asked for the standard: the first finer one that suffices is taken.
+    const auto fine = export_brdf(sharp, "ssdd", folder / "fine.ssdd");
+    CHECK(fine.front().resolution > find_format("ssdd").resolution.standard);
+    CHECK(worst_region(*fine.front().deviation, find_format("ssdd").accepted) == nullptr);
+    std::filesystem::remove(fine.front().path);
     const ExportOptions anything{.resolution = 8, .largest_error = 100};
     CHECK(export_brdf(sharp, "rgl", folder / "sharp.bsdf", anything).size() == 2);
 }
