@@ -10,6 +10,7 @@
 #include "pipeline/fit/job.h"
 #include "pipeline/fit/solved_job.h"
 #include "pipeline/scene/medium_kinds.h"
+#include "pipeline/solve/amounts.h"
 #include "pipeline/solve/named_index.h"
 #include "pipeline/solve/resolver.h"
 
@@ -99,7 +100,7 @@ Batch::Batch(const FitProblem& problem, const std::vector<double>& numbers) : st
                                                  .database = probe.database,
                                                  .index = probe.index},
                                            {kExample_nm});
-    if (const auto density = scene.particles.layer_density_kg_m3) layer_density_ = *density / 1e3;
+    if (const auto density = layer_density_kg_m3(scene, medium)) layer_density_ = *density / 1e3;
     double sum = 0.0;
     bool has_rest = false;
     std::size_t r = 0;

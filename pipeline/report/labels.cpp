@@ -12,6 +12,7 @@ namespace {
 Species bare(Species species) {
     species.sizes = {};
     species.density_g_cm3.reset();
+    species.layer_density_kg_m3.reset();
     species.amount.reset();
     return species;
 }

@@ -76,6 +76,8 @@ std::string species_text(const Species& species) {
     for (const Coating& coating : species.coatings)
         text += ", coated with " + coating_text(coating);
     if (species.amount) text += ", " + amount_text(*species.amount);
+    if (const auto density = species.layer_density_kg_m3)
+        text += fmt::format(", layer of {:g} kg/m\u00b3", *density);
     return text;
 }
 

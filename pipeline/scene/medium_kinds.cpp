@@ -255,7 +255,7 @@ MediumKind scattering() {
             [](Species rest) {
                 const bool sized = has_sizes(rest.scattering);
                 rest.sizes = {};
-                if (sized) rest.density_g_cm3.reset();
+                if (sized) rest.density_g_cm3.reset(), rest.layer_density_kg_m3.reset();
                 if (sized || (rest.amount && rest.amount->kind == Amount::Kind::number_per_cm3))
                     rest.amount.reset();
                 return rest;

@@ -48,12 +48,10 @@ void set_packing(const SceneWord& word, WordValues values, Request& request) {
 }
 
 void set_layer_density(const SceneWord& word, WordValues values, Request& request) {
-    constexpr Unit kDensities[] = {{"kg/m3", 1, 1}, {"g/cm3", 1000, 1}, {"", 1, 1}};
     const WordValue& value = one_value(word, values);
     const auto* text = std::get_if<std::string>(&value);
-    request.scene.particles.layer_density_kg_m3 = text != nullptr
-                                                      ? parse_quantity(*text, word.name, kDensities)
-                                                      : finite_number(value, word.name);
+    request.scene.particles.layer_density_kg_m3 =
+        text != nullptr ? parse_layer_density(*text, word.name) : finite_number(value, word.name);
 }
 
 template <auto member>

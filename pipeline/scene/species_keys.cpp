@@ -132,6 +132,7 @@ const std::vector<Key> kKeys = {
     {"variance", once<parse_number, &Of::sizes, &Sizes::effective_variance>},
     {"distribution", once<parse_kind, &Of::sizes, &Sizes::distribution>},
     {"density", once<quantity<kDensities>, &Of::density_g_cm3>},
+    {"layer-density", once<parse_layer_density, &Of::layer_density_kg_m3>},
     {"volume", amount<Amount::Kind::volume_fraction, kShares>},
     {"mass", amount<Amount::Kind::mass_fraction, kMassShares>},
     {"number", amount<Amount::Kind::number_per_cm3, kNumbersPerCm3>},
@@ -281,6 +282,8 @@ std::string rest_of_keys(const Species& species) {
     if (shape.absorption) text += fmt::format(",absorption={}", *shape.absorption);
     if (species.phase) text += fmt::format(",phase={}", name_in(kPhases, *species.phase));
     if (species.density_g_cm3) text += fmt::format(",density={}", *species.density_g_cm3);
+    if (species.layer_density_kg_m3)
+        text += fmt::format(",layer-density={}", *species.layer_density_kg_m3);
     if (species.amount) text += describe(*species.amount);
     return text;
 }
@@ -321,6 +324,11 @@ std::string describe(const Coating& coating) {
 
 double parse_length_um(std::string_view text, const std::string& what) {
     return parse_quantity(text, what, kLengthsUm);
+}
+
+double parse_layer_density(std::string_view text, const std::string& what) {
+    constexpr Unit kDensities[] = {{"kg/m3", 1, 1}, {"g/cm3", 1000, 1}, {"", 1, 1}};
+    return parse_quantity(text, what, kDensities);
 }
 
 mie::SizeDistribution sizes_of(const Species& species, const ParticleOptions& of_scene) {
@@ -369,6 +377,9 @@ void validate_keys(const Species& species, const std::string& text) {
     const double density = species.density_g_cm3.value_or(1.0);
     if (!(density > 0.0 && density <= 30.0))
         refuse("density", density, "above 0, up to 30, in g/cm3");
+    const double of_layer = species.layer_density_kg_m3.value_or(1.0);
+    if (!(of_layer > 0.0 && of_layer <= 3e4))
+        refuse("layer-density", of_layer, "above 0, up to 30000, in kg/m3");
     if (species.amount) validate(*species.amount, text);
 }
 

@@ -194,6 +194,7 @@ const MediumParameter kAsymmetry = {"asymmetry", "(-1, 1)",
 /// What fills its layer has a share of it, and a density where that is a share of the mass.
 Species without_share(Species rest) {
     rest.density_g_cm3.reset();
+    rest.layer_density_kg_m3.reset();
     if (rest.amount && rest.amount->kind != Amount::Kind::number_per_cm3) rest.amount.reset();
     return rest;
 }

@@ -110,6 +110,18 @@ bool has_no_particles(const Medium& medium) {
     });
 }
 
+std::optional<double> layer_density_kg_m3(const Scene& scene, const Medium& medium) {
+    std::optional<double> own;
+    for (const Species& species : medium.species) {
+        const std::optional<double>& said = species.layer_density_kg_m3;
+        if (own && said && *own != *said)
+            throw UsageError(fmt::format("medium '{}': layer-density {} and {}; a layer has one",
+                                         describe(medium), *own, *said));
+        if (said) own = said;
+    }
+    return own ? own : scene.particles.layer_density_kg_m3;
+}
+
 void set_amounts(ResolvedMedium& medium, std::optional<double> layer_density_kg_m3,
                  std::optional<double> host_density_g_cm3) {
     ResolvedSpecies& first = medium.species.front();

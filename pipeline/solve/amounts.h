@@ -11,6 +11,10 @@ namespace miebrdf {
 /// Whether every amount is given as 0: there is the host alone.
 bool has_no_particles(const Medium& medium);
 
+/// Bulk density of a layer: its own (layer-density= of one of its species), else the scene's.
+/// @throws UsageError  for species of one layer that say different ones
+std::optional<double> layer_density_kg_m3(const Scene& scene, const Medium& medium);
+
 /// Sets volume_fraction of every species, and has_amounts. Species of amount 0 beside others are
 /// left out.
 /// @param host_density_g_cm3  of what lies between the particles; empty: not known

@@ -129,7 +129,7 @@ std::string species_key(const ResolvedSpecies& resolved, std::size_t w) {
                  outer_radius_um, volume_per_core, volume_fraction, of_density, crowded, crowd,
                  known_key] = resolved;
     const auto& [kind, name, parameters, chi, table_nm, matrices, index, scattering, sizes,
-                 coatings, shape, phase, density_g_cm3, amount] = species;
+                 coatings, shape, phase, density_g_cm3, layer_density, amount] = species;
     JobKey key("species");
     if (!particles.empty())
         return key.add(particles[w]).add(size_distribution).add(shape).add(phase).hash();
@@ -166,7 +166,7 @@ ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>&
     const HostAt host = needs_host ? look_up(host_of(scene_, medium), wavelength_nm) : HostAt{};
     for (const Species& species : medium.species)
         resolved.species.push_back(this->species(species, wavelength_nm, host));
-    set_amounts(resolved, scene_.particles.layer_density_kg_m3, host.density_g_cm3);
+    set_amounts(resolved, layer_density_kg_m3(scene_, medium), host.density_g_cm3);
     const bool is_host_alone = has_no_particles(medium);
     if (is_host_alone) resolved.species = {no_particles(wavelength_nm)};
     if (by_extinction) set_host_absorption(host, wavelength_nm, optical_depth, resolved);

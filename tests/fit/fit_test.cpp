@@ -105,6 +105,21 @@ TEST_CASE("albedos at several cosines give back the medium they were computed of
     CHECK(std::abs(result.correlation[0] - 1.0) <= 1e-12);
 }
 
+TEST_CASE("the density of one layer is fitted from its own words", "[fit]") {
+    require_fit();
+    const std::string snow = "index:1.31,1e-8,radius=5,density=0.917,layer-density=";
+    Scene truth;
+    truth.substrate = substrate("black");
+    truth.layers = {layer(snow + "300@0.2mm")};
+    const FitProblem problem{.scene = {{"substrate", {"black"}}, {"coat", {snow + "{rho}@0.2mm"}}},
+                             .unknowns = {unknown("rho", "150 in 50:600")},
+                             .data = {albedos_of(truth, kCosines, 0.0)}};
+    const FitResult result = fit(problem);
+    CHECK(result.converged);
+    // Both scenes are solved to a tolerance of 1e-4 and 1e-5; the albedo .6 moves by .2 % per 1 %.
+    CHECK(std::abs(value_of(result, "rho").value - 300) <= 0.5);
+}
+
 TEST_CASE("what a single albedo cannot tell is said as the combination that it does", "[fit]") {
     require_fit();
     // Similar media have one (1 - albedo) / (1 - albedo g): from the spherical

@@ -139,7 +139,7 @@ TEST_CASE("a colour out of reach is the nearest, and a pigment is named that hel
 
 TEST_CASE("limits of volume and thickness hold, and grams follow from densities", "[fit][match]") {
     require_ceres();
-    const MatchResult found = match(read_match_text(R"([scene]
+    const std::string words = R"([scene]
 boundary = "smooth"
 coat = "index:2.7,radius=0.13,density=4,volume={white}% + index:1.6,0.5,radius=0.05,density=1.8,volume={black}% in index:1.5@{film}um"
 substrate = "black"
@@ -154,8 +154,8 @@ light = "d65"
 [limits]
 total_volume = 0.1
 thickness_um = 30
-)",
-                                                    "", "match.toml"));
+)";
+    const MatchResult found = match(read_match_text(words, "", "match.toml"));
     const Recipe& recipe = found.recipes[0];
     const double white = *part_of(recipe, "white").value / 100,
                  black = *part_of(recipe, "black").value / 100;
@@ -169,6 +169,17 @@ thickness_um = 30
     CHECK(has_note(found, "density of index:1.5 is not known"));
     REQUIRE(recipe.contrast_ratio);
     CHECK(*recipe.contrast_ratio < 1.0);
+    // The density of the paint, said by the layer, gives that of its binder.
+    std::string denser = words;
+    denser.replace(denser.find("density=4"), 0, "layer-density=1300,");
+    const MatchResult known = match(read_match_text(denser, "", "match.toml"));
+    CHECK_FALSE(has_note(known, "is not known"));
+    const auto weight = [&](const char* name) {
+        return *part_of(known.recipes[0], name).weight_share;
+    };
+    const double white_now = *part_of(known.recipes[0], "white").value / 100;
+    CHECK(std::abs(weight("white") - 4 * white_now / 1.3) <= 1e-12);
+    CHECK(std::abs(weight("white") + weight("black") + weight("index:1.5") - 1) <= 1e-12);
 }
 
 TEST_CASE("a correction adds what brings a measured batch to its target", "[fit][match]") {

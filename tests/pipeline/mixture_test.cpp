@@ -162,6 +162,28 @@ TEST_CASE("a given thickness of snow on soil has the depth and albedo of exact t
     }
 }
 
+TEST_CASE("a layer's own density counts before the scene's", "[pipeline][mixture]") {
+    const std::string snow = "index:1.31,1e-8,radius=20,density=0.917";
+    const auto depths = [&](const std::vector<std::string>& layers, double of_scene) {
+        Scene scene;
+        scene.substrate = substrate("black");
+        for (const std::string& words : layers) scene.layers.push_back(layer(words));
+        scene.particles.layer_density_kg_m3 = of_scene;
+        return solve(scene, {550}).albedo({1}).wavelengths[0].optical_depths;
+    };
+    const auto two = depths({snow + "@1cm", snow + ",layer-density=300@1cm"}, 150);
+    CHECK(std::abs(two.at(1) / two.at(0) - 2) <= 1e-12);
+    const auto units = depths({snow + ",layer-density=0.3g/cm3@1cm"}, 150);
+    CHECK(std::abs(units.at(0) / two.at(1) - 1) <= 1e-12);
+    const Medium own = medium(snow + ",layer-density=300");
+    CHECK(medium(describe(own)) == own);
+    CHECK_THROWS_WITH(depths({snow + ",mass=0.9,layer-density=300 + index:1.8,0.6,radius=0.1,"
+                                     "density=1.5,mass=0.1,layer-density=200@1cm"},
+                             150),
+                      Catch::Contains("300 and 200"));
+    CHECK_THROWS_WITH(medium(snow + ",layer-density=0"), Catch::Contains("layer-density 0"));
+}
+
 TEST_CASE("a half-space knows neither density nor thickness", "[pipeline][mixture]") {
     const std::string dirty =
         "index:1.31,1e-8,radius=20,density=0.917 + index:1.8,0.6,radius=0.1,density=1.5,mass=1ppm";

@@ -63,6 +63,7 @@ def test_solved_scenes_are_copied_and_pickled():
 def test_small_things_are_pickled():
     for thing in (
         medium("TiO2,volume=2% + SiO2,volume=1% in PMMA"),
+        medium("H2O_ice,radius=0.5,shape=spheroid,method=t-matrix", layer_density_kg_m3=300),
         coat("TiO2@40um"),
         miebrdf.Depth("inf"),
     ):

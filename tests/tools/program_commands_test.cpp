@@ -166,6 +166,9 @@ TEST_CASE("densities of layers have their units", "[program]") {
     };
     CHECK(rows("300kg/m3") == rows("300"));
     CHECK(rows("0.3g/cm3") == rows("300"));
+    const std::string alone = rows("300");  // as the upper one of two, by its own word
+    CHECK(rows("100 --coat H2O_ice,radius=100,layer-density=300@2cm")
+              .find(alone.substr(alone.find("coat 1,") + 7)) != std::string::npos);
     const auto refused = support::run_program(layers + "300lb");
     CHECK(refused.exit_code != 0);
     CHECK(refused.err.find("kg/m3, g/cm3") != std::string::npos);

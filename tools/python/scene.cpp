@@ -70,13 +70,13 @@ py::tuple shape_state(const Species& s) {
     std::optional<int> phase;
     if (s.phase) phase = static_cast<int>(*s.phase);
     return py::make_tuple(static_cast<int>(shape.kind), shape.aspect, shape.asymmetry,
-                          shape.absorption, phase);
+                          shape.absorption, phase, shape.by_t_matrix);
 }
 
 void set_shape(Species& s, const py::tuple& state) {
     s.shape = {static_cast<GrainShape::Kind>(state[0].cast<int>()),
                state[1].cast<std::optional<double>>(), state[2].cast<std::optional<double>>(),
-               state[3].cast<std::optional<double>>()};
+               state[3].cast<std::optional<double>>(), state[5].cast<bool>()};
     if (!state[4].is_none()) s.phase = static_cast<PhaseForm>(state[4].cast<int>());
 }
 
@@ -95,7 +95,8 @@ py::tuple state_of(const Species& s) {
     return py::make_tuple(static_cast<int>(s.kind), s.name, s.parameters, s.chi, s.wavelength_nm,
                           s.index, s.sizes.effective_radius_um, s.sizes.effective_variance,
                           law_of(s.sizes), s.density_g_cm3, amount, matrices, coatings,
-                          sizes_state(s.sizes), shape_state(s), scattering_state(s.scattering));
+                          sizes_state(s.sizes), shape_state(s), scattering_state(s.scattering),
+                          s.layer_density_kg_m3);
 }
 
 Species species_of(const py::tuple& state) {
@@ -130,6 +131,7 @@ Species species_of(const py::tuple& state) {
     set_sizes(s.sizes, state[13].cast<py::tuple>());
     set_shape(s, state[14].cast<py::tuple>());
     set_scattering(s.scattering, state[15].cast<py::tuple>());
+    s.layer_density_kg_m3 = state[16].cast<std::optional<double>>();
     return s;
 }
 
@@ -195,15 +197,18 @@ void bind_media(py::module_& module) {
         .def(
             "with_sizes",  // of the last species
             [](Medium self, std::optional<double> radius_um, std::optional<double> variance,
-               const std::optional<std::string>& law, std::optional<double> density_g_cm3) {
+               const std::optional<std::string>& law, std::optional<double> density_g_cm3,
+               std::optional<double> layer_density_kg_m3) {
                 Species& last = self.species.back();
                 if (radius_um) last.sizes.effective_radius_um = radius_um;
                 if (variance) last.sizes.effective_variance = variance;
                 if (law) set_law(last.sizes, law);
                 if (density_g_cm3) last.density_g_cm3 = density_g_cm3;
+                if (layer_density_kg_m3) last.layer_density_kg_m3 = layer_density_kg_m3;
                 return self;
             },
-            py::arg("radius_um"), py::arg("variance"), py::arg("law"), py::arg("density_g_cm3"))
+            py::arg("radius_um"), py::arg("variance"), py::arg("law"), py::arg("density_g_cm3"),
+            py::arg("layer_density_kg_m3"))
         .def(
             "with_amount",
             [](Medium self, const std::string& kind, double value) {

@@ -164,6 +164,8 @@ struct Species {
     std::optional<PhaseForm> phase = {};  ///< empty: mie, of grains that are no spheres smooth
     /// The density of the whole particle, > 0; empty: from the database, where needed.
     std::optional<double> density_g_cm3 = {};
+    /// Bulk density of the layer that the species is in, > 0; empty: the scene's.
+    std::optional<double> layer_density_kg_m3 = {};
     std::optional<Amount> amount = {};  ///< see Medium
 
     bool operator==(const Species&) const = default;

@@ -85,6 +85,7 @@ class OfMedium(TypedDict, total=False):
     variance: float | None
     distribution: str | None
     density_g_cm3: float | None
+    layer_density_kg_m3: float | None
     volume: float | None
     mass: float | None
     number_per_cm3: float | None

@@ -59,6 +59,7 @@ def medium(
     variance: float | None = None,
     distribution: str | None = None,
     density_g_cm3: float | None = None,
+    layer_density_kg_m3: float | None = None,
     volume: float | None = None,
     mass: float | None = None,
     number_per_cm3: float | None = None,
@@ -85,6 +86,8 @@ def medium(
         Law of the radii: power-law, gamma, log-normal, rosin-rammler, mono.
     density_g_cm3 : float, optional
         Of the particles' material in g/cm3; default: that of the database.
+    layer_density_kg_m3 : float, optional
+        Bulk density of the layer; default: that of the scene. For shares of the mass.
     volume, mass : float, optional
         Share of the layer's volume or mass, in [0, 1].
     number_per_cm3 : float, optional
@@ -124,6 +127,7 @@ def medium(
         optional("variance", variance),
         distribution,
         optional("density_g_cm3", density_g_cm3),
+        optional("layer_density_kg_m3", layer_density_kg_m3),
     )
     amounts = {"volume": volume, "mass": mass, "number": number_per_cm3}
     given = {kind: value for kind, value in amounts.items() if value is not None}
