@@ -205,6 +205,10 @@ std::string missing_pigment(const MatchProblem& problem, Matcher& matcher, const
 MatchResult match(const MatchProblem& problem, const Control& control) {
     check_match(problem);
     Matcher matcher(problem, control);
+    const auto tell = [&](std::size_t done) {
+        if (control.progress) control.progress("recipes", done, problem.unknowns.size() + 1);
+    };
+    tell(0);
     MatchResult result{.notes = matcher.batch().notes()};
     Point best = matcher.point_at(matcher.start(), nullptr);
     std::vector<double> before;
@@ -233,6 +237,7 @@ MatchResult match(const MatchProblem& problem, const Control& control) {
     result.reached = first.delta_e_2000 <= kMatched;
     if (before.empty()) {
         for (std::size_t u = 0; u < problem.unknowns.size(); ++u) {
+            tell(u + 1);
             const Unknown& unknown = problem.unknowns[u];
             const bool is_part = std::any_of(
                 matcher.batch().components().begin(), matcher.batch().components().end(),
