@@ -31,6 +31,19 @@ std::string escape_markup(const std::string& text) {
     return out;
 }
 
+std::string html_table(const std::vector<std::vector<std::string>>& rows) {
+    std::string html = "<table>\n";
+    std::string cell = "th>";
+    for (const std::vector<std::string>& row : rows) {
+        html += "<tr>";
+        for (const std::string& text : row)
+            html.append("<").append(cell).append(escape_markup(text)).append("</").append(cell);
+        html += "</tr>\n";
+        cell = "td>";
+    }
+    return html + "</table>\n";
+}
+
 std::string base64(std::string_view bytes) {
     constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;

@@ -73,13 +73,11 @@ ResolvedIndex Materials::remembered(const std::string& name,
 
 namespace {
 
-/// From this word on a note of a dataset is said with every result in visible light.
-constexpr std::string_view kCaveat = "not for colours";
 constexpr double kFirstVisible = 380.0, kLastVisible = 780.0;  // nm
 
 std::string caveat_of(const materials::MaterialInfo& info,
                       const std::vector<double>& wavelength_nm) {
-    const std::size_t at = info.note.find(kCaveat);
+    const std::size_t at = info.note.find(kColourCaveat);
     const bool is_visible = std::any_of(wavelength_nm.begin(), wavelength_nm.end(), [](double nm) {
         return nm >= kFirstVisible && nm <= kLastVisible;
     });

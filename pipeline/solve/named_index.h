@@ -14,6 +14,9 @@
 
 namespace miebrdf {
 
+/// From these words on a note of a dataset is said with every result in visible light.
+inline constexpr std::string_view kColourCaveat = "not for colours";
+
 /// A material's n + ik and where it comes from.
 struct ResolvedIndex {
     std::vector<std::complex<double>> index;

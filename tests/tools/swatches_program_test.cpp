@@ -75,6 +75,10 @@ TEST_CASE("sheets are drawn as SVG, PNG and a page", "[program][swatches]") {
                              Catch::Contains("a &lt;b&gt;") && !Catch::Contains("a <b>"));
     }
     CHECK_THAT(text_in(folder.path() / "sheet.html"), Catch::Contains("<th>acescg_r</th>"));
+    const std::string doubtful = (folder.path() / "doubtful.svg").string();
+    support::run_ok("swatches --base Fe3O4,radius=0.1 -o " + doubtful + kVisible);
+    CHECK_THAT(text_in(doubtful), Catch::Contains("#b00020"));
+    CHECK_THAT(text_in(folder.path() / "sheet.svg"), !Catch::Contains("#b00020"));
 }
 
 TEST_CASE("sheets refuse what has no colour", "[program][swatches][errors]") {

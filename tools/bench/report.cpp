@@ -87,20 +87,6 @@ std::vector<plot::PointName> names_of(const Results& results,
 
 using Rows = std::vector<std::vector<std::string>>;
 
-/// Makes a table of texts that are not escaped yet; the first row is the head.
-std::string html_table(const Rows& rows) {
-    std::string html = "<table>\n";
-    const char* cell = "th";
-    for (const auto& row : rows) {
-        html += "<tr>";
-        for (const std::string& text : row)
-            html += fmt::format("<{0}>{1}</{0}>", cell, escape_markup(text));
-        html += "</tr>\n";
-        cell = "td";
-    }
-    return html + "</table>\n";
-}
-
 std::string markdown_table(const Rows& rows) {
     std::string text;
     for (const auto& row : rows) {

@@ -9,74 +9,67 @@ Pastes: alone, and one part with nine of the white of their set. Materials whose
 light as white (L* above 97, chroma below 3) are left out; k that is not known is 0.
 """
 import csv
+import json
+import os
+import shutil
 import subprocess
 import sys
+import tempfile
 
-PROGRAM = sys.argv[3] if len(sys.argv) > 3 else "miebrdf"
-COLUMNS, WIDTH, HEIGHT, HEAD = 6, 188, 52, 40
-
-
-def rows_of(*words):
-    run = subprocess.run([PROGRAM, *words, "--quiet"], capture_output=True, text=True)
-    return list(csv.DictReader(line for line in run.stdout.splitlines() if not line.startswith("#")))
+PROGRAM = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else "miebrdf"
+TITLE = "Masstones, each beside its tint of one part in ten"
+HEAD = 'boundary = "smooth"\nhost-index = 1.5\nstokes = 1\nmissing-k-zero = true\nwavelengths = "400:700:10"\n'
 
 
-def colour(*medium):
-    """Lab and sRGB of light at 8 degrees, or nothing where the table does not cover 400 to 700 nm."""
-    rows = rows_of("albedo", "--boundary", "smooth", *medium, "--theta-in", "8", "--wavelengths", "400:700:10",
-                   "--colour", "d65,10", "--missing-k-zero", "--stokes", "1")
-    if not rows:
-        return None
-    values = [float(rows[0][key]) for key in ("lab_l", "lab_a", "lab_b", "srgb_red", "srgb_green", "srgb_blue")]
-    return values[:3], "#" + "".join(f"{round(255 * min(max(x, 0), 1)):02x}" for x in values[3:])
+def run(*words, folder=None):
+    """Rows, facts and messages of one command."""
+    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, cwd=folder)
+    lines = done.stdout.splitlines()
+    return list(csv.DictReader(x for x in lines if x[:1] != "#")), [x for x in lines if x[:1] == "#"], done.stderr
 
 
-def materials():
-    for row in rows_of("materials", "list"):
+def swatches(bases, picture=None):
+    # The picture keeps the command that made it: no names of this machine in it.
+    with tempfile.TemporaryDirectory() as folder:
+        with open(os.path.join(folder, "masstones.toml"), "w") as file:
+            file.write(HEAD)
+            for name, base in bases.items():
+                file.write(f"[scene.{json.dumps(name)}]\nbase = {json.dumps(base)}\n")
+        words = ["swatches", "masstones.toml", "--colour", "d65,10", "--title", TITLE]
+        if picture:
+            run(*words, "-o", "masstones.svg", folder=folder)
+            shutil.move(os.path.join(folder, "masstones.svg"), picture)
+        return run(*words, folder=folder)
+
+
+def lab(row):
+    return [float(row[key]) for key in "Lab"]
+
+
+masstones, tints = {}, {}
+for row in run("materials", "list")[0]:
+    if float(row["shortest_nm"]) <= 400 and float(row["longest_nm"]) >= 700:
         name = row["name"]
-        masstone = colour("--base", f"{name},radius=0.1,volume=15% in index:1.5")
-        if masstone is None:
-            continue
-        lightness, a, b = masstone[0]
-        if lightness > 97 and a * a + b * b < 9:
-            continue
-        note = {r["property"]: r["value"] for r in reversed(rows_of("materials", "show", name))}.get("note", "")
-        tint = colour("--base", f"{name},radius=0.1,volume=1.5% + TiO2_pigment,radius=0.125,volume=13.5% in index:1.5")
-        yield name, masstone, tint, "not for colours" in note
-
-
-def pastes(names):
-    for name in names:
-        # Films of the oil paints' own thickness are not opaque; bases are.
-        white = "acrylic_white" if name.startswith("acrylic") else "oil_zinc_white"
-        masstone = colour("--base", f"paste:{name} in index:1.5")
-        tint = colour("--base", f"paste:{name},volume=10% + paste:{white},volume=90% in index:1.5")
-        yield "paste:" + name, masstone, tint, False
-
-
-def paste_names():
-    run = subprocess.run([PROGRAM, "albedo", "--base", "paste:?", "--wavelengths", "550"], capture_output=True, text=True)
-    words = run.stderr.replace(",", " ").replace(";", " ").split()
-    return sorted(word for word in words if word.startswith(("acrylic_", "oil_")))
-
-
-found = [*materials(), *pastes(paste_names())]
+        masstones[name] = f"{name},radius=0.1,volume=15%"
+        tints[name] = f"{name},radius=0.1,volume=1.5% + TiO2_pigment,radius=0.125,volume=13.5%"
+for row in swatches(masstones)[0]:
+    lightness, a, b = lab(row)
+    if lightness > 97 and a * a + b * b < 9:
+        del masstones[row["name"]]
+known = run("albedo", "--base", "paste:?", "--wavelengths", "550")[2].replace(",", " ").replace(";", " ").split()
+for name in sorted(word for word in known if word.startswith(("acrylic_", "oil_"))):
+    white = "acrylic_white" if name.startswith("acrylic") else "oil_zinc_white"
+    masstones[name] = f"paste:{name}"
+    tints[name] = f"paste:{name},volume=10% + paste:{white},volume=90%"
+pairs = {}
+for name, base in masstones.items():
+    pairs |= {name: base, name + " tint": tints[name]}
+rows, facts, _ = swatches(pairs, picture=sys.argv[1])
 with open(sys.argv[2], "w") as file:
     file.write("name,masstone_l,masstone_a,masstone_b,tint_l,tint_a,tint_b,not_for_colours\n")
-    for name, (masstone, _), (tint, _), flagged in found:
-        numbers = ",".join(f"{x:.1f}" for x in masstone + tint)
+    for masstone, tint in zip(rows[::2], rows[1::2]):
+        numbers = ",".join(f"{x:.1f}" for x in lab(masstone) + lab(tint))
+        flagged = any(fact.startswith(f"# note: {masstone['name']}: ") and "not for colours" in fact for fact in facts)
+        base = masstones[masstone["name"]]
+        name = base if base.startswith("paste:") else masstone["name"]
         file.write(f"{name},{numbers},{'yes' if flagged else 'no'}\n")
-height = HEAD + HEIGHT * -(-len(found) // COLUMNS) + 8
-parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{COLUMNS * WIDTH + 12}" height="{height}" '
-         'font-family="sans-serif" font-size="11">', '<rect width="100%" height="100%" fill="#fff"/>',
-         '<text x="8" y="24" font-size="15">Masstone (left) and tint of one part in ten (right); crossed: not for colours</text>']
-for i, (name, (_, masstone), (_, tint), flagged) in enumerate(found):
-    x, y = 8 + WIDTH * (i % COLUMNS), HEAD + HEIGHT * (i // COLUMNS)
-    for j, fill in enumerate((masstone, tint)):
-        parts.append(f'<rect x="{x + 88 * j}" y="{y}" width="88" height="32" fill="{fill}"/>')
-    parts.append(f'<rect x="{x}" y="{y}" width="176" height="32" fill="none" stroke="#999" stroke-width=".5"/>')
-    if flagged:
-        parts.append(f'<path d="M{x} {y}l176 32m0 -32l-176 32" stroke="#f33" stroke-width="1.5"/>')
-    parts.append(f'<text x="{x}" y="{y + 45}" fill="{"#b00" if flagged else "#222"}">{name}</text>')
-with open(sys.argv[1], "w") as file:
-    file.write("\n".join([*parts, "</svg>"]) + "\n")

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <numeric>
 
 #include <miebrdf/error.h>
 #include "pipeline/io/markup.h"
 #include "pipeline/plot/panel.h"
 #include "pipeline/scene/labels.h"
+#include "pipeline/solve/named_index.h"
 #include "tools/miebrdf/plot_scenes.h"
 #include "tools/miebrdf/reflection_options.h"
 #include "tools/miebrdf/run_command.h"
@@ -32,8 +34,10 @@ struct Patch {
 
 struct Swatch {
     std::string name;
-    std::vector<Patch> patches;  ///< over the dark and the light ground, or one
-    std::optional<double> contrast_ratio;
+    std::vector<Patch> patches = {};      ///< over the dark and the light ground, or one
+    std::vector<std::string> words = {};  ///< its name, then a line for each patch
+    std::optional<double> contrast_ratio = {};
+    bool is_doubtful = false;  ///< a table of its media is not for colours
 };
 
 struct Sheet {
@@ -109,29 +113,34 @@ Sheet solve_all(const std::vector<ShownScene>& scenes, const SwatchArguments& ar
     for (const ShownScene& shown : scenes) {
         const Request& request = shown.request;
         facts.emplace_back("scene", fmt::format("{}: {}", shown.label, describe(request.scene)));
-        Swatch swatch{shown.label, {}, {}};
+        Swatch swatch{.name = shown.label, .words = {shown.label}};
         const auto add = [&](const AlbedoValues& values, const std::string& ground,
                              const LinearSrgb& ground_colour) {
-            swatch.patches.push_back(
-                {ground, ground_colour, colour_of(values, request.wavelength_nm, light)});
+            if (swatch.patches.empty()) {
+                for (const std::string& note : values.notes) {
+                    facts.emplace_back("note", shown.label + ": " + note);
+                    swatch.is_doubtful |= note.find(kColourCaveat) != std::string::npos;
+                }
+            }
+            const Colour colour = colour_of(values, request.wavelength_nm, light);
+            swatch.patches.push_back({ground, ground_colour, colour});
+            swatch.words.push_back(fmt::format(
+                "{}{:.1f}, {:.1f}, {:.1f}  {}", ground.empty() ? "" : "over " + ground + ": ",
+                colour.lab.l, colour.lab.a, colour.lab.b, plot::css_colour(colour.srgb)));
             sheet.converged = sheet.converged && values.converged();
             for (const std::string& line : values.shortfalls())
                 facts.emplace_back("not converged", shown.label + ": " + line);
         };
         if (request.scene.substrate || !request.scene.base.species.empty()) {
-            const AlbedoValues values = solved(request, control).albedo(mu_in);
-            for (const std::string& note : values.notes)
-                facts.emplace_back("note", shown.label + ": " + note);
-            add(values, "", {});
+            add(solved(request, control).albedo(mu_in), "", {});
         } else {
             const Drawdown film =
                 draw_down(request.scene, request.wavelength_nm, mu_in,
                           {grounds[0], grounds[1], 0.0, light}, request.solver, control);
-            for (const std::string& note : film.over_dark.notes)
-                facts.emplace_back("note", shown.label + ": " + note);
             add(film.over_dark, describe(grounds[0]), colour_of(grounds[0]));
             add(film.over_light, describe(grounds[1]), colour_of(grounds[1]));
             swatch.contrast_ratio = film.hiding.front().contrast_ratio;
+            swatch.words[0] += fmt::format(", contrast ratio {:.3f}", *swatch.contrast_ratio);
         }
         sheet.swatches.push_back(std::move(swatch));
     }
@@ -159,84 +168,74 @@ void add_patch_rows(Sheet& sheet, const Viewing& light) {
     }
 }
 
-std::string words_of_patch(const Patch& patch) {
-    const auto& [xyz, lab, lch, rgb, error] = patch.colour;
-    const auto is_outside = [](double value) { return !(value >= -1e-3 && value <= 1.001); };
-    const bool clipped = is_outside(rgb.red) || is_outside(rgb.green) || is_outside(rgb.blue);
-    return fmt::format("{}L* {:.1f}  a* {:.1f}  b* {:.1f}  {}{}",
-                       patch.ground.empty() ? "" : "over " + patch.ground + ": ", lab.l, lab.a,
-                       lab.b, plot::css_colour(rgb), clipped ? "  (outside sRGB)" : "");
-}
-
-/// A row for each scene: its colour, over two grounds as a drawdown, and words.
+/// A cell for each scene, in rows: its colour, over two grounds as a drawdown, above its words.
 plot::Picture draw(const Sheet& sheet, const plot::Caption& caption) {
-    constexpr double kPatch = 200.0, kHeight = 52.0, kRow = 66.0, kLeft = 20.0, kRim = 9.0;
-    constexpr double kText = kLeft + kPatch + 14.0, kName = 13.0, kSmall = 11.5;
-    double width = plot::SvgDrawing::text_width(caption.title, 16.0) + kLeft;
+    constexpr double kPage = 1280.0, kPatch = 40.0, kRim = 8.0, kGap = 14.0, kTop = 62.0,
+                     kLine = 15.0, kText = 11.5;
+    const std::string legend =
+        "L*, a*, b* and sRGB; a white corner: outside sRGB; red: a table is not for colours";
+    double cell = 120.0, row = 0.0;
     for (const Swatch& swatch : sheet.swatches) {
-        width = std::max(width, kText + plot::SvgDrawing::text_width(swatch.name, kName) + 130.0);
-        for (const Patch& patch : swatch.patches)
-            width = std::max(width,
-                             kText + plot::SvgDrawing::text_width(words_of_patch(patch), kSmall));
+        for (const std::string& words : swatch.words)
+            cell = std::max(cell, plot::SvgDrawing::text_width(words, kText));
+        row = std::max(row, kPatch + kLine * double(swatch.words.size()) + kGap);
     }
-    plot::SvgDrawing drawing(std::min(width + kLeft, 1400.0),
-                             50.0 + kRow * double(sheet.swatches.size()));
-    drawing.text({kLeft, 28.0}, caption.title, {.size = 16.0});
-    double top = 44.0;
-    for (const Swatch& swatch : sheet.swatches) {
-        const double part = kPatch / double(swatch.patches.size());
+    const std::size_t count = sheet.swatches.size();
+    const auto fitting = static_cast<std::size_t>((kPage - kGap) / (cell + kGap));
+    const std::size_t columns = std::clamp(fitting, std::size_t{1}, count);
+    const double head = std::max(plot::SvgDrawing::text_width(legend, kText),
+                                 plot::SvgDrawing::text_width(caption.title, 1.4 * kText));
+    plot::SvgDrawing drawing(std::max(head + kGap, double(columns) * (cell + kGap)) + kGap,
+                             kTop + row * double((count + columns - 1) / columns));
+    drawing.text({kGap, 24.0}, caption.title, {.size = 1.4 * kText});
+    drawing.text({kGap, 46.0}, legend, {.size = kText, .colour = "#555555"});
+    for (std::size_t i = 0; i < count; ++i) {
+        const Swatch& swatch = sheet.swatches[i];
+        const plot::Point corner{kGap + double(i % columns) * (cell + kGap),
+                                 kTop + double(i / columns) * row};
+        const double part = cell / double(swatch.patches.size());
         const double rim = swatch.patches.size() > 1 ? kRim : 0.0;
-        double left = kLeft, line = top + 14.0;
+        double left = corner.x, line = corner.y + kPatch;
         for (const Patch& patch : swatch.patches) {
             if (rim > 0.0)
-                drawing.rectangle({left, top}, part, kHeight,
+                drawing.rectangle({left, corner.y}, part, kPatch,
                                   plot::css_colour(patch.ground_colour));
-            drawing.rectangle({left, top + rim}, part, kHeight - 2.0 * rim,
+            const double top = corner.y + rim, right = left + part;
+            drawing.rectangle({left, top}, part, kPatch - 2.0 * rim,
                               plot::css_colour(patch.colour.srgb));
-            left += part;
+            const auto& [red, green, blue] = patch.colour.srgb;
+            const auto [low, high] = std::minmax({red, green, blue});
+            if (!(low >= -1e-3 && high <= 1.001))
+                drawing.polygon({{right - kRim, top}, {right, top}, {right, top + kRim}}, "#fff");
+            left = right;
         }
-        drawing.frame({kLeft, top}, kPatch, kHeight, {.colour = "#bbbbbb"});
-        std::string name = swatch.name;
-        if (swatch.contrast_ratio)
-            name += fmt::format(", contrast ratio {:.3f}", *swatch.contrast_ratio);
-        drawing.text({kText, line}, name, {.size = kName});
-        for (const Patch& patch : swatch.patches)
-            drawing.text({kText, line += 17.0}, words_of_patch(patch), {.size = kSmall});
-        top += kRow;
+        drawing.frame(corner, cell, kPatch, {.colour = "#bbbbbb"});
+        for (const std::string& words : swatch.words)
+            drawing.text({corner.x, line += kLine}, words,
+                         {.size = kText, .colour = swatch.is_doubtful ? "#b00020" : "#000000"});
     }
     return {drawing.document(caption.title, caption.command), drawing.width(), drawing.height()};
 }
 
 /// The picture and the numbers as one page that needs no other file.
 std::string page_of(const Sheet& sheet, const plot::Picture& picture, const std::string& title) {
-    std::string page = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+    const auto text_of = [](const Cell& cell) {
+        const auto* number = std::get_if<double>(&cell);
+        const auto* text = std::get_if<std::string>(&cell);
+        return number != nullptr ? fmt::format("{:.4f}", *number) : text != nullptr ? *text : "";
+    };
+    std::vector<std::vector<std::string>> rows = {sheet.table.columns}, facts = {{"fact", "value"}};
+    for (const std::vector<Cell>& row : sheet.table.rows)
+        std::transform(row.begin(), row.end(), std::back_inserter(rows.emplace_back()), text_of);
+    for (const auto& [name, value] : sheet.table.facts) facts.push_back({name, text_of(value)});
+    return fmt::format(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n"
         "<style>body{{font:14px sans-serif;margin:16px}}svg{{max-width:100%;height:auto}}"
         "div{{overflow-x:auto}}table{{border-collapse:collapse}}th,td{{padding:3px 8px;"
-        "border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}}"
-        "th:first-child,td:first-child{{text-align:left}}</style></head>\n<body>\n{1}\n<div><table>"
-        "<tr>",
-        escape_markup(title), picture.svg.substr(picture.svg.find("<svg")));
-    for (const std::string& column : sheet.table.columns)
-        page += "<th>" + escape_markup(column) + "</th>";
-    for (const std::vector<Cell>& row : sheet.table.rows) {
-        page += "</tr>\n<tr>";
-        for (const Cell& cell : row) {
-            const auto* number = std::get_if<double>(&cell);
-            const auto* text = std::get_if<std::string>(&cell);
-            page += fmt::format("<td>{}</td>", number != nullptr ? fmt::format("{:.4f}", *number)
-                                               : text != nullptr ? escape_markup(*text)
-                                                                 : "");
-        }
-    }
-    page += "</tr></table></div>\n";
-    for (const auto& [name, value] : sheet.table.facts) {
-        const auto* text = std::get_if<std::string>(&value);
-        page += fmt::format("<p>{}: {}</p>\n", escape_markup(name),
-                            text != nullptr ? escape_markup(*text)
-                                            : fmt::format("{:.4f}", std::get<double>(value)));
-    }
-    return page + "</body></html>\n";
+        "border-bottom:1px solid #ddd;text-align:left}}</style></head>\n<body>\n{}\n"
+        "<div>{}</div>{}</body></html>\n",
+        escape_markup(title), picture.svg.substr(picture.svg.find("<svg")), html_table(rows),
+        html_table(facts));
 }
 
 int run_swatches(const SwatchArguments& arguments, const std::vector<ShownScene>& scenes,
