@@ -14,7 +14,8 @@ namespace {
 constexpr double kRadiansOfDegree = std::numbers::pi / 180.0;
 constexpr double kBlackGlass = 1.567;  // index at 587.6 nm (ISO 2813)
 
-/// Widths in the plane of incidence and across it, degrees (ISO 2813:2014; ASTM D523, table 1).
+/// Widths in the plane of incidence and across it, degrees: those of ISO 2813 and ASTM D523 as
+/// commonly quoted (docs/colour.md).
 struct Aperture {
     double in_plane, across;
 };
