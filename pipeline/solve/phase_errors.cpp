@@ -119,9 +119,8 @@ class NoisyLayers {
   public:
     explicit NoisyLayers(const SolvedLayers& solved)
         : solved_(solved),
-          scaled_(rte::scale_stack(solved.stack, std::max(1, solved.moments), solved.delta_m,
-                                   rte::NarrowPart::ignored)),
-          unscaled_(rte::scale_stack(solved.stack, 1, false, rte::NarrowPart::ignored)) {
+          scaled_(rte::scale_stack(solved.stack, std::max(1, solved.moments), solved.delta_m)),
+          unscaled_(rte::scale_stack(solved.stack, 1, false)) {
         for (const rte::ScaledMedium& medium : scaled_.media) {
             parts_.push_back(parts_of(medium.exact));
             const std::vector<PhasePart>& parts = parts_.back();

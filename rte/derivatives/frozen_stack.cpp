@@ -52,7 +52,7 @@ FrozenStack::FrozenStack(const Stack& stack, std::span<const StackChange> change
 }
 
 ScaledStack FrozenStack::scale(const Stack& stack) const {
-    return scale_stack(stack, discretisation_.moments, options_.delta_m, NarrowPart::ignored);
+    return scale_stack(stack, discretisation_.moments, options_.delta_m);
 }
 
 StackGrids FrozenStack::grids_of(const ScaledStack& scaled) const {
@@ -62,7 +62,7 @@ StackGrids FrozenStack::grids_of(const ScaledStack& scaled) const {
 ScaledStack FrozenStack::scaled_like(const Stack& other) const {
     ScaledStack scaled;
     scaled.rough_boundaries = scaled_.rough_boundaries;
-    scale_stack(other, discretisation_.moments, options_.delta_m, NarrowPart::ignored, scaled);
+    scale_stack(other, discretisation_.moments, options_.delta_m, scaled);
     if (scaled.media.size() != scaled_.media.size()) return scaled;  // a layer without depth
     for (std::size_t k = 0; k < scaled.media.size(); ++k) {
         ScaledMedium& medium = scaled.media[k];

@@ -149,7 +149,7 @@ double difference(double a, double b, double scale) {
 // Whether `value` is to take the place of the largest so far: NaN does, and stays.
 bool is_larger(double value, double largest) { return value > largest || std::isnan(value); }
 
-void raise(double& largest, double value) {
+void keep_largest(double& largest, double value) {
     if (is_larger(value, largest)) largest = value;
 }
 
@@ -203,8 +203,8 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
     double gain = 1.0, before = 0.0, now = 0.0;
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         if (coarsest.physical)
-            raise(before, difference(coarsest.values[k], coarse.values[k], scale));
-        raise(now, last_at(k, scale));
+            keep_largest(before, difference(coarsest.values[k], coarse.values[k], scale));
+        keep_largest(now, last_at(k, scale));
     });
     if (coarsest.physical && !slow && now < before && now < 1.0) {
         // The error of closer nodes falls by q again and again.
@@ -219,7 +219,8 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         double error = gain * last_at(k, scale);
         if (traps && coarsest.physical) {
-            raise(error, kShareOfTrapped * difference(coarsest.values[k], fine.values[k], scale));
+            keep_largest(error,
+                         kShareOfTrapped * difference(coarsest.values[k], fine.values[k], scale));
         }
         fine.errors.push_back(std::isnan(error) ? std::numeric_limits<double>::infinity()
                                                 : std::max(error, least));

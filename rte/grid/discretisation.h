@@ -98,30 +98,9 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
                               const JudgedValues& judged, const Solve& solve, Solutions& solutions,
                               const RefinementCallback& refined = {});
 
-/// Azimuths beside those asked for, by which a solution of few values is judged: two solutions may
-/// agree by accident where few values are asked for and a peak is not resolved yet (HG 0.97 at
-/// (0.03, 0.2, 40), 16 and 24 nodes: 1e-6 apart, and both 1.2e-3 off). Their difference at azimuths
-/// beside those tells.
-class AzimuthProbes {
-  public:
-    /// Up to 16 values of a stack with slowly falling moments get probes; all others none.
-    AzimuthProbes(const Stack& stack, const Directions& asked, const SolverOptions& options);
-
-    /// The directions asked for, with the probes behind the azimuths.
-    const Directions& directions() const { return directions_; }
-    /// Picks from values at directions() those that were asked for.
-    std::vector<double> without(std::vector<double> values) const;
-    /// Picks from estimated errors at directions() those of the values asked for. Two solutions may
-    /// agree by accident at single values: none counts as better than its probes or those at the
-    /// azimuths beside it, nor than half of all at its incidence.
-    std::vector<double> largest_nearby(const std::vector<double>& errors) const;
-    /// Where in those the value at `index` of directions() is, or the one that it is a probe of.
-    std::size_t asked_for(std::size_t index) const;
-
-  private:
-    Directions directions_;
-    std::size_t azimuths_;  ///< asked for
-};
+/// Errors of a solution's values, none less than that of the azimuths beside it, nor than half of
+/// all at its incidence: two solutions may agree by accident at single values.
+std::vector<double> largest_nearby(const std::vector<double>& errors, const Directions& directions);
 
 /// The cosines of a request; a small one gets others beside them, where two solutions are compared
 /// as well.

@@ -4,24 +4,20 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <span>
+#include <utility>
 
 #include "rte/first_order/first_order.h"
 #include "rte/fourier/fourier_mode.h"
 #include "rte/grid/refraction_grid.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/phase/scaled_medium.h"
-#include "rte/stack/layered_reflection.h"
-#include "rte/stack/stack_solver.h"
+#include "rte/stack/scaled_stack.h"
 
 namespace miebrdf::rte {
 namespace {
 
-// Bases that are not Lambertian: what a base sends back where it came from may be brighter than a
-// white ground by this.
+// Other bases than a white ground: at single directions they may be brighter by this.
 constexpr double kSafety = 100.0;
-// Enough for transmissions to some per cent, which is all that a yes or no needs.
-constexpr int kStreams = 16;
 constexpr double kDeepestCoat = 1e100;
 
 double largest(const std::vector<double>& cosines) {
@@ -38,34 +34,23 @@ std::vector<double> a_few_of(const std::vector<double>& values) {
     return some;
 }
 
-AlbedoTable albedo_over_ground(const Optics& coat, double optical_depth,
-                               const std::vector<double>& cosines, double ground_albedo) {
-    Stack stack;
-    stack.base_kind = BaseKind::lambertian;
-    stack.ground_albedo = ground_albedo;
-    stack.coats = {{coat, optical_depth}};
-    SolverOptions options;
-    options.streams = kStreams;
-    return albedo(stack, cosines, options);
+// A bound of what the base below a coat changes: between a black and a white one, in modes of decay
+// k, by 2 k/v / sinh(2 k tau), which falls with k.
+double most_visible(const Optics& coat, double optical_depth) {
+    double odd = 0.0;
+    for (std::size_t l = 1; l < coat.chi.size(); l += 2) odd = std::max(odd, std::abs(coat.chi[l]));
+    const double u = coat.one_minus_albedo;
+    const double v = u + coat.single_scattering_albedo * (1.0 - odd);
+    const double x = 2.0 * std::sqrt(u * v) * optical_depth;
+    return (x > 0.0 ? x / std::sinh(x) : 1.0) / (v * optical_depth);
 }
 
-// At each incidence the largest value that the coat itself sends to (some of) the directions; 0
-// where 16 streams cannot tell.
-std::vector<double> brightest_over_black(const Optics& coat, double optical_depth,
-                                         const Directions& directions) {
-    Stack stack;
-    stack.base_kind = BaseKind::none;
-    stack.coats = {{coat, optical_depth}};
-    const Directions some{directions.mu_in, a_few_of(directions.mu_out),
-                          a_few_of(directions.azimuth_deg)};
-    SolverOptions options;
-    options.streams = kStreams;
-    const std::vector<double> values = reflect(stack, some, options).reflection;
-    const std::size_t block = some.mu_out.size() * some.azimuth_deg.size();
-    std::vector<double> brightest(some.mu_in.size(), 0.0);
-    for (std::size_t k = 0; k < values.size(); ++k)
-        if (values[k] > brightest[k / block]) brightest[k / block] = values[k];
-    return brightest;
+// Of light scattered once in a half-space of the medium, as least_brightness; albedos count as
+// reflections at the middle of the hemisphere.
+double least_brightness(const Optics& medium, Directions directions) {
+    constexpr int moments = 32;
+    if (directions.mu_out.empty()) directions = {std::move(directions.mu_in), {0.5}, {90.0}};
+    return least_brightness(scale_stack({.base = medium}, moments, true).media, directions);
 }
 
 }  // namespace
@@ -79,32 +64,8 @@ bool hides_what_is_below(const Optics& coat, double optical_depth, const Directi
                          double tolerance) {
     if (!may_hide(optical_depth, directions, tolerance)) return false;
     if (is_bottomless(optical_depth)) return true;
-    std::vector<double> cosines = directions.mu_in;
-    cosines.insert(cosines.end(), directions.mu_out.begin(), directions.mu_out.end());
-    const AlbedoTable black = albedo_over_ground(coat, optical_depth, cosines, 0.0);
-    const AlbedoTable white = albedo_over_ground(coat, optical_depth, cosines, 1.0);
-    const auto visible = [&](std::size_t i) {
-        return std::abs(white.plane_albedo[i] - black.plane_albedo[i]);
-    };
-    const double mean = std::abs(white.spherical_albedo - black.spherical_albedo);
-    const std::size_t incident = directions.mu_in.size();
-    const bool albedo_only = directions.mu_out.empty();
-    const auto is_below = [&](double change, double value) {
-        return kSafety * change <= kHiddenLayersShare * tolerance * value;
-    };
-    if (albedo_only && !is_below(mean, black.spherical_albedo)) return false;
-    const std::vector<double> brightest =
-        albedo_only ? black.plane_albedo : brightest_over_black(coat, optical_depth, directions);
-    for (std::size_t i = 0; i < incident; ++i) {
-        if (albedo_only && !is_below(visible(i), brightest[i])) return false;
-        for (std::size_t o = incident; o < cosines.size(); ++o) {
-            // Differences of this size are rounding: nothing is left to see.
-            const double change =
-                visible(i) * visible(o) / std::max(mean, std::numeric_limits<double>::epsilon());
-            if (!is_below(change, brightest[i])) return false;
-        }
-    }
-    return true;
+    return kSafety * most_visible(coat, optical_depth) <=
+           kHiddenLayersShare * tolerance * least_brightness(coat, directions);
 }
 
 double least_brightness(const std::vector<ScaledMedium>& media, const Directions& directions) {

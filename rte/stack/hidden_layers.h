@@ -20,13 +20,12 @@ bool may_hide(double optical_depth, const Directions& directions, double toleran
 
 /// Whether nothing below a coat shows within its share of the tolerance (kHiddenLayersShare).
 ///
-/// Over a Lambertian ground of albedo 1 and over a black one a coat's plane albedos A differ by
-/// V(mu) = T(mu) T / (1 - S), its reflection functions by T(mu) T(mu_0) / (1 - S) =
-/// V(mu) V(mu_0) / V with the spherical V = T^2 / (1 - S) (T: transmission, S: reflection from
-/// below). Two solutions of Fourier order 0 give them. No base returns more light than the white
-/// ground; that it may send it elsewhere is what the factor of safety (100) is for. The change is
-/// compared with the largest value that the coat itself sends to the directions asked for at that
-/// incidence: however dark a coat is, it hides only what is darker.
+/// With u = 1 - alpha and v = 1 - alpha max |chi_l| over odd l, U and V (eigenmodes.h) are at least
+/// u M^-1 and v M^-1, so that nothing decays more slowly than exp(-k tau), k^2 = u v. Between a
+/// black and a white base R changes by no more than about 2 (k / v) / sinh(2 k tau); other bases
+/// may be brighter at single directions by the factor of safety (100). This is compared with the
+/// least of what the coat itself scatters once at the incidences asked for: however dark a coat is,
+/// it hides only what is darker.
 /// @param directions  without mu_out: only albedos are wanted
 bool hides_what_is_below(const Optics& coat, double optical_depth, const Directions& directions,
                          double tolerance);

@@ -37,8 +37,7 @@ void albedo_with(const AlbedoRequest& request, const RequestedDirections& reques
                  Solution& solution) {
     const SolverOptions& options = request.options;
     ScaledStack& scaled = memory.scaled;
-    scale_stack(request.stack, discretisation.moments, options.delta_m, NarrowPart::ignored,
-                scaled);
+    scale_stack(request.stack, discretisation.moments, options.delta_m, scaled);
     scaled.transmits = has_transmittance(scaled.base, options, bool(request.surface));
     const StackGrids& grids = memory.grids_for(discretisation);
     const ZenithGrid& grid = grids.top();

@@ -59,7 +59,7 @@ ScaledStack& scale(const Stack& stack, const Directions& directions,
                    const Discretisation& discretisation, const SolverOptions& options,
                    SolutionParts::AtStreams& memory) {
     ScaledStack& scaled = memory.scaled;
-    scale_stack(stack, discretisation.moments, options.delta_m, NarrowPart::ignored, scaled);
+    scale_stack(stack, discretisation.moments, options.delta_m, scaled);
     if (scaled.media.size() > 1 || scaled.base != BaseKind::half_space)
         scaled.brightness = least_brightness(scaled, directions);
     return scaled;
@@ -165,22 +165,20 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     if (memory == nullptr) memory = &own.emplace();
     if (directions.mu_in.empty() || directions.mu_out.empty() || directions.azimuth_deg.empty())
         return without_pairs(stack, directions.mu_in, light, options, *memory);
-    const AzimuthProbes probes(stack, directions, options);
-    const Directions& judged = probes.directions();
-    const RequestedDirections requested = collect_with_probes(judged);
+    const RequestedDirections requested = collect_with_probes(directions);
     const auto elements = std::size_t(light.shown() * light.shown());
-    const std::size_t block = judged.mu_out.size() * judged.azimuth_deg.size() * elements;
+    const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size() * elements;
     SolutionParts& kept = SolutionParts::of(*memory);
     FourierOrders orders;  // of the solution before, with fewer nodes
     int nodes_before = 0;
-    FirstOrderSum first_order(judged, options, light.components, light.shown());
-    const Request request{stack, judged, requested, light, options};
+    FirstOrderSum first_order(directions, options, light.components, light.shown());
+    const Request request{stack, directions, requested, light, options};
     Solutions solutions;
-    const JudgedValues values{.count = judged.mu_in.size() * block,
-                              .block = block,
-                              .near_backwards = elements == 1
-                                                    ? near_retro_reflection(judged, kNearRetroDeg)
-                                                    : std::vector<bool>()};
+    const JudgedValues values{
+        .count = directions.mu_in.size() * block,
+        .block = block,
+        .near_backwards =
+            elements == 1 ? near_retro_reflection(directions, kNearRetroDeg) : std::vector<bool>()};
     Solution& solution = solve_with_estimate(
         stack, options, values,
         [&](const Discretisation& discretisation, Solution& one) {
@@ -192,7 +190,6 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
                          is_finer ? orders : none, first_order, one);
         },
         solutions, refined);
-    solution.report.worst_value = probes.asked_for(solution.report.worst_value);
     name_worst_direction(directions, elements, solution.report);
     if (!solution.physical) {
         constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -202,11 +199,11 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     }
     ReflectionTable table;
     table.components = light.shown();
-    table.reflection = elements_last(probes.without(std::move(solution.values)), elements,
-                                     directions.azimuth_deg.size());
+    table.reflection =
+        elements_last(std::move(solution.values), elements, directions.azimuth_deg.size());
     table.plane_albedo = std::move(solution.plane_albedo);
     table.polarised_plane_albedo = std::move(solution.polarised_plane_albedo);
-    if (elements == 1) table.errors = probes.largest_nearby(solution.errors);
+    if (elements == 1) table.errors = largest_nearby(solution.errors, directions);
     table.steps_converged = solution.steps_converged;
     table.report = std::move(solution.report);
     if (solution.physical) {

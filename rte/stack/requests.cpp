@@ -80,7 +80,7 @@ void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_
                               std::vector<double>& reflectances) {
     reflectances.clear();
     if (!stack.boundary && lowest_kind(stack) != BaseKind::mirror) return;
-    scale_stack(stack, 1, false, NarrowPart::ignored, exact);
+    scale_stack(stack, 1, false, exact);
     if (exact.top_index == 1.0 && !exact.has_mirrors()) return;
     if (exact.boundary && exact.boundary->is_rough()) return;
     for (const double mu : mu_in) {
@@ -98,7 +98,7 @@ void find_unscattered(const Stack& stack, const std::vector<double>& mu_in, int 
                       ScaledStack& exact, std::vector<double>& shares) {
     shares.assign(mu_in.size(), 0.0);
     if (lowest_kind(stack) == BaseKind::half_space) return;
-    scale_stack(stack, 1, false, NarrowPart::ignored, exact);
+    scale_stack(stack, 1, false, exact);
     if (exact.boundary && exact.boundary->is_rough()) return;  // facets turn all of it
     for (std::size_t i = 0; i < mu_in.size(); ++i)
         shares[i] = components == 1

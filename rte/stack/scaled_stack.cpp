@@ -63,9 +63,9 @@ std::vector<double> indices_of(const ScaledStack& stack) {
 
 }  // namespace
 
-ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted) {
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m) {
     ScaledStack scaled;
-    scale_stack(stack, moments, delta_m, wanted, scaled);
+    scale_stack(stack, moments, delta_m, scaled);
     return scaled;
 }
 
@@ -76,8 +76,7 @@ BaseKind lowest_kind(const Stack& stack) {
     return is_hidden ? BaseKind::half_space : stack.base_kind;
 }
 
-void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wanted,
-                 ScaledStack& scaled) {
+void scale_stack(const Stack& stack, int moments, bool delta_m, ScaledStack& scaled) {
     scaled.transmits = false;
     scaled.brightness = 0.0;
     scaled.moments = moments;
@@ -92,8 +91,6 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart wante
         medium.scaled_optical_depth = bounded_depth(optical_depth * medium.scaled.depth_factor);
         medium.narrow = {};
         medium.unresolved_shares.clear();
-        if (medium.scaled.truncated > 0.0 && wanted == NarrowPart::split)
-            medium.narrow = split_forward_peak(optics.chi, medium.scaled.first_cutoff);
         medium.index = index;
     };
     if (stack.base_kind == BaseKind::half_space) {

@@ -11,18 +11,12 @@
 
 namespace miebrdf::rte {
 
-enum class NarrowPart { split, ignored };
-
 /// delta-M for every medium; layers without depth are left out, but for those between media of
 /// other indices below a boundary, and so is everything below a coat of infinite depth.
 /// @param moments  as of scale_optics
-/// @param narrow   ignored: ScaledMedium::narrow is left empty, for those who want no light
-///        scattered once
-ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m,
-                        NarrowPart narrow = NarrowPart::split);
+ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m);
 /// @param scaled  overwritten; its memory is used again
-void scale_stack(const Stack& stack, int moments, bool delta_m, NarrowPart narrow,
-                 ScaledStack& scaled);
+void scale_stack(const Stack& stack, int moments, bool delta_m, ScaledStack& scaled);
 
 /// The kind of base below the layers that are left, as scale_stack finds it.
 BaseKind lowest_kind(const Stack& stack);
@@ -53,7 +47,8 @@ class StackGrids {
     std::optional<RefractionGrid> refraction_;
 };
 
-/// Narrow features of all degrees (ScaledMedium::narrow), and which of them these nodes resolve.
+/// Finds narrow features of all degrees (ScaledMedium::narrow), which scale_stack leaves empty, and
+/// which of them these nodes resolve.
 void split_by_resolution(ScaledStack& stack, const StackGrids& grids);
 
 }  // namespace miebrdf::rte

@@ -30,7 +30,7 @@ TabulatedOrders tabulate_orders(const Stack& asked_stack, const std::vector<doub
     const Stack stack = light.components > 1 ? with_all_moments(asked_stack) : asked_stack;
     TabulatedOrders table;
     table.stack.rough_boundaries = SolutionParts::of(known).rough_boundaries;
-    scale_stack(stack, solved.moments, options.delta_m, NarrowPart::ignored, table.stack);
+    scale_stack(stack, solved.moments, options.delta_m, table.stack);
     const StackGrids grids(table.stack, choose_discretisation(stack, options, solved.streams).grid,
                            solved.streams);
     if (options.single_scattering_correction) split_by_resolution(table.stack, grids);

@@ -137,9 +137,8 @@ const char* why_not_transmitted(const Stack& stack) {
 TransmittedOrders tabulate_transmission(const Stack& stack, const std::vector<double>& mu,
                                         const SolverReport& solved, const SolverOptions& options) {
     TransmittedOrders film;
-    scale_stack(stack, solved.moments, options.delta_m, NarrowPart::ignored, film.stack);
-    scale_stack(turned_over(stack), solved.moments, options.delta_m, NarrowPart::ignored,
-                film.upside_down);
+    scale_stack(stack, solved.moments, options.delta_m, film.stack);
+    scale_stack(turned_over(stack), solved.moments, options.delta_m, film.upside_down);
     film.stack.transmits = true;
     const StackGrids grids(film.stack, choose_discretisation(stack, options, solved.streams).grid,
                            solved.streams);
@@ -189,7 +188,7 @@ void add_transmitted_once(const TransmittedOrders& film, double mu_in, double mu
 }
 
 double unscattered_transmittance(const Stack& stack, double mu) {
-    const ScaledStack exact = scale_stack(stack, 1, false, NarrowPart::ignored);
+    const ScaledStack exact = scale_stack(stack, 1, false);
     const ScaledMedium& lowest = exact.media.front();
     const Beam<double> beam = beams_of<double>(exact, mu).front();
     double step = 0.0, bottom = 0.0;

@@ -36,6 +36,13 @@ double backscatter(const rte::Stack& stack, int streams) {
         .reflection[0];
 }
 
+// With the narrow features beyond delta-M.
+rte::ScaledStack with_narrow(rte::ScaledStack stack) {
+    for (rte::ScaledMedium& medium : stack.media)
+        medium.narrow = rte::split_forward_peak(medium.exact.chi, medium.scaled.first_cutoff);
+    return stack;
+}
+
 }  // namespace
 
 TEST_CASE("a glory seen with few nodes is the glory of the whole equation", "[rte][narrow]") {
@@ -93,7 +100,7 @@ TEST_CASE("light that nodes resolve in part is as bright at retro-reflection as 
     const double truth = retro(128);
     const int streams = 24;
     // The part of the first order that stands for what is not resolved.
-    rte::ScaledStack scaled = rte::scale_stack(stack, 4 * streams, true, rte::NarrowPart::ignored);
+    rte::ScaledStack scaled = rte::scale_stack(stack, 4 * streams, true);
     rte::split_by_resolution(scaled, rte::StackGrids(scaled, rte::GridKind::mapped_gauss, streams));
     const auto change = [&] {
         double sum = 0.0;
@@ -124,8 +131,7 @@ TEST_CASE("the estimate straight back covers a glory that nodes do not resolve",
 
 TEST_CASE("sums of Fourier orders look beyond a gap for the orders of a glory", "[rte][narrow]") {
     const auto last_order = [](const rte::Optics& optics, double hump) {
-        rte::ScaledStack scaled =
-            rte::scale_stack({.base = optics}, 128, true, rte::NarrowPart::ignored);
+        rte::ScaledStack scaled = rte::scale_stack({.base = optics}, 128, true);
         rte::split_by_resolution(scaled, rte::StackGrids(scaled, rte::GridKind::mapped_gauss, 32));
         const rte::FeatureOrders features(scaled, rte::collect({0.7}, {0.7}));
         int asked = 0;
@@ -180,7 +186,8 @@ TEST_CASE("the table of narrow features is the sum over degrees that it stands f
     if (coated) {
         stack.coats = {{rte::henyey_greenstein_optics(0.6, 0.5), 0.01}, {glory_optics(1.0), 0.7}};
     }
-    const std::vector<rte::ScaledMedium> media = rte::scale_stack(stack, 24, true).media;
+    const std::vector<rte::ScaledMedium> media =
+        with_narrow(rte::scale_stack(stack, 24, true)).media;
     const double tolerance = 1e-7;
     const double mu_least = 0.01;
     rte::GloryCorrection features({&media, 1}, mu_least, tolerance);
@@ -236,7 +243,7 @@ TEST_CASE("what is kept of narrow features does not depend on the moments of the
     double largest = 0.0;
     // More than 128 moments are too many for what the first call has kept.
     for (const int moments : {24, 96, 200, 48}) {
-        const rte::ScaledStack scaled = rte::scale_stack(stack, moments, true);
+        const rte::ScaledStack scaled = with_narrow(rte::scale_stack(stack, moments, true));
         const std::vector<rte::ScaledMedium>& media = scaled.media;
         const rte::GloryCorrection whole({&media, 1}, 0.1, 1e-9);
         std::vector<double> values(3 * 3 * 4, 0.0);

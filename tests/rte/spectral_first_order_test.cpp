@@ -29,7 +29,13 @@ rte::Optics glory_optics(double albedo, double glory) {
     return optics;
 }
 
-rte::ScaledStack scaled(const rte::Stack& stack) { return rte::scale_stack(stack, 24, true); }
+// With the narrow features beyond delta-M.
+rte::ScaledStack scaled(const rte::Stack& stack) {
+    rte::ScaledStack own = rte::scale_stack(stack, 24, true);
+    for (rte::ScaledMedium& medium : own.media)
+        medium.narrow = rte::split_forward_peak(medium.exact.chi, medium.scaled.first_cutoff);
+    return own;
+}
 
 std::vector<rte::SpectralFirstOrder::Wavelength> wavelengths_of(
     const std::vector<rte::ScaledStack>& stacks, bool is_polarised = false) {
