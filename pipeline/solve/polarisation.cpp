@@ -17,7 +17,6 @@
 #include "pipeline/solve/scene_optics.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/requests.h"
 
 namespace miebrdf {
 namespace {

@@ -10,7 +10,7 @@
 #include "rte/derivatives/order_tangents.h"
 #include "rte/first_order/beams.h"
 #include "rte/stack/fourier_sum.h"
-#include "rte/stack/requests.h"
+#include "rte/stack/layered_reflection.h"
 
 namespace miebrdf::rte {
 namespace {

@@ -40,8 +40,8 @@ double GridPanel::slope(double t) const {
                                 : map == Map::squared ? t * (4.0 - 3.0 * t)
                                                       : quarter * std::cos(quarter * t));
     if (beyond == 0.0 && share == 1.0) return dc;
-    const double mu = cosine(t);
-    return std::sqrt(share * (mu * mu - beyond)) * dc / mu;  // mu dmu = share c dc
+    const GridPanel own{.map = map, .widest = widest};
+    return share * own.cosine(t) * dc / cosine(t);  // mu dmu = share c dc
 }
 
 bool GridPanel::ends_at_zenith() const {
@@ -68,7 +68,8 @@ ZenithGrid make_panel_grid(std::vector<GridPanel> panels) {
 }
 
 std::vector<double> resolved_waves(const ZenithGrid& grid, int count) {
-    constexpr double inside = 1e-4;  // of a panel: at its ends the distance is that of the last two
+    // t stays this far from the ends of a panel, where the formula gives a distance of 0.
+    constexpr double inside = 1e-4;
     std::vector<double> waves;
     for (int k = 0; k < count && !grid.panels.empty(); ++k) {
         const double angle = 0.5 * std::numbers::pi * k / (count - 1);
@@ -103,9 +104,9 @@ ZenithGrid make_mapped_gauss_grid(int count) {
 
 ZenithGrid make_paper_grid(int count) {
     require_count(count);
-    // pi/4 G + pi/4 is a quarter turn less pi t / 2.
+    // With G = 2 t' - 1 and t = 1 - t': pi/4 G + pi/4 = pi/2 - pi t / 2.
     ZenithGrid grid = make_panel_grid({{.count = count, .map = GridPanel::Map::circular}});
-    grid.weights /= grid.weights.sum();  // only matters below 6 nodes
+    grid.weights /= grid.weights.sum();  // changes weights below 6 nodes alone
     return grid;
 }
 

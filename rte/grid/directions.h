@@ -1,6 +1,5 @@
-// The directions in which radiance is known: the nodes that sample a hemisphere (and what these can
-// tell of a function that has more detail than they have), and at the cosines that a caller asked
-// for.
+// Directions of radiance: the nodes that sample a hemisphere, functions of mu as the nodes resolve
+// them, and the cosines of a request.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +21,7 @@ struct GridPanel {
 
     double cosine(double t) const;
     double slope(double t) const;  ///< dmu / dt
-    /// 1 - mu falls to 0 like 1 - t at the end of the panel.
+    /// Whether mu(1) = 1, with 1 - mu proportional to 1 - t there.
     bool ends_at_zenith() const;
     bool operator==(const GridPanel&) const = default;
 };
@@ -32,7 +31,7 @@ struct GridPanel {
 struct ZenithGrid {
     Eigen::VectorXd mu;
     Eigen::VectorXd weights;
-    std::vector<GridPanel> panels = {};  ///< in the order of their nodes
+    std::vector<GridPanel> panels = {};  ///< in ascending order of mu
 
     Eigen::Index size() const { return mu.size(); }
 };
@@ -54,42 +53,42 @@ ZenithGrid make_mapped_gauss_grid(int count);
 /// rule G, W on (-1, 1); normalised to sum w = 1. Clusters at the zenith.
 ZenithGrid make_paper_grid(int count);
 
-/// @param kind   one of the three above; the caller has decided what `automatic` means
+/// @param kind   one of the three above
 /// @param count  2 to 256
 /// @throws UsageError  for a count out of range, or for `automatic`
 ZenithGrid make_zenith_grid(GridKind kind, int count);
 
-/// Waves per radian of zenith angle up to which nodes resolve light: pi over the distance between
-/// neighbours. At `count` angles in equal steps from the zenith to the horizon, where it is large.
-/// A grid without panels: none.
+/// The highest l for which nodes resolve waves cos(l theta): pi over the distance of neighbouring
+/// nodes in zenith angle theta.
+/// @return l at `count` zenith angles in equal steps from 0 to 90 degrees; empty for a grid without
+///         panels
 std::vector<double> resolved_waves(const ZenithGrid& grid, int count);
 
-/// Functions of mu as the polynomials through n nodes see them. With l_j the polynomial in t (of
-/// its panel) that is 1 at node j and 0 at the others, a function f becomes
+/// The values f_j at n nodes that stand for a function f(mu) in integrals over radiance,
 ///     f_j = 1/w_j int l_j(t) f(mu(t)) dmu,
-/// so that sum_j w_j f_j I(mu_j) is the integral of f times the polynomial through the I(mu_j),
-/// however fast f varies: point values would alias as soon as degrees add up to more than 2n - 1.
-/// Odd Fourier orders vanish at the zenith like (1 - mu)^(1/2); there l_j has the factor
-/// (1 - t)^(1/2) / (1 - t_j)^(1/2).
+/// where l_j is the polynomial in t (of its panel) that is 1 at node j and 0 at the others. Then
+/// sum_j w_j f_j I(mu_j) is the integral of f times the polynomial through the I(mu_j), however
+/// fast f varies; the point values f(mu_j) would alias once degrees add up to more than 2n - 1. For
+/// odd Fourier orders, which vanish at the zenith like (1 - mu)^(1/2), l_j has the factor (1 -
+/// t)^(1/2) / (1 - t_j)^(1/2).
 struct NodeProjection {
     std::vector<GridPanel> panels;  ///< of the nodes
-    int degrees = 0;                ///< integrated as well as rounding allows
-    ZenithGrid fine;                ///< where functions are sampled
-    Eigen::MatrixXd even, odd;      ///< f_j from samples, by the parity of the Fourier order
+    int degrees = 0;                ///< Legendre degrees below it are integrated to rounding
+    ZenithGrid fine;                ///< where f is sampled
+    Eigen::MatrixXd even, odd;      ///< f_j = sum over samples, for even and odd Fourier orders
 
     const Eigen::MatrixXd& of_order(int fourier_order) const {
         return fourier_order % 2 == 0 ? even : odd;
     }
 };
 
-/// Whether the nodes integrate the product of any two degrees exactly: the projection would change
-/// nothing.
+/// Whether f_j = f(mu_j), because the nodes integrate the product of any two degrees exactly.
 bool points_suffice(const ZenithGrid& grid, int degrees);
 
-/// @param degrees  the highest Legendre degree is below it
+/// @param degrees  the Legendre degrees of f are below it
 NodeProjection project_on_nodes(const ZenithGrid& grid, int degrees);
 
-/// The projections that a solution with several numbers of nodes uses again and again.
+/// The projections made last, for solutions that return to the same few numbers of nodes.
 class NodeProjections {
   public:
     /// @return valid until the next call
@@ -99,35 +98,29 @@ class NodeProjections {
     std::vector<NodeProjection> known_;
 };
 
-/// The cosines a caller asked for, each once, and which of them are incident and outgoing.
+/// The cosines of a request, each once, ascending, and which of them are incident and outgoing.
 struct RequestedDirections {
     Eigen::VectorXd mu;
     std::vector<int> out;  ///< indices into mu
     std::vector<int> in;
-    /// The last ones of both lists, this many, were not asked for: two solutions are compared
-    /// there.
-    std::size_t probes = 0;
-    /// For each cosine that is both incident and outgoing the first of two of its own at the end of
-    /// mu, a little below it, where transmission into the incident direction itself is found by
-    /// extrapolation; -1 for the others. Empty where nothing asks for transmission.
+    /// By cosine: where mu has mu (1 - kBeside), followed by mu (1 - 2 kBeside). Transmission from
+    /// a direction into itself is extrapolated from there, so that only cosines that are both
+    /// incident and outgoing have these two, at the end of mu; -1 for others. Empty where nothing
+    /// asks for transmission.
     std::vector<int> beside = {};
-
-    std::size_t asked_out() const { return out.size() - probes; }
-    std::size_t asked_in() const { return in.size() - probes; }
 };
 
-/// Each cosine once, ascending, with the positions of both lists.
 RequestedDirections collect(const std::vector<double>& mu_in, const std::vector<double>& mu_out);
 
-/// A request with `beside`: mu (1 - kBeside) and mu (1 - 2 kBeside).
+/// The request with `beside`.
 inline constexpr double kBeside = 3e-5;
 RequestedDirections with_cosines_beside(RequestedDirections requested);
 
-/// Whether all incident or all outgoing cosines are 1, where Y_l^m = 0 for m > 0: Fourier order 0
-/// is all there is.
+/// Whether light as a number has Fourier order 0 alone: all incident or all outgoing cosines are 1,
+/// where Y_l^m = 0 for m > 0.
 bool only_fourier_order_zero(const RequestedDirections& requested);
 
-/// Whether cos(m azimuth) is zero at every azimuth, as for odd m across the plane of incidence.
+/// Whether cos(m azimuth) = 0 at every azimuth, as for odd m at 90 degrees.
 bool fourier_order_vanishes(int fourier_order, std::span<const double> azimuth_deg);
 
 }  // namespace miebrdf::rte

@@ -17,7 +17,7 @@ double largest_moment(const Stack& stack, int degree) {
     double largest = 0.0;
     const auto look_at = [&](const Optics& optics) {
         const auto l = std::size_t(degree);
-        // Backward peaks alternate in sign.
+        // Moments of backward peaks alternate in sign.
         if (l < optics.chi.size()) largest = std::max(largest, std::abs(optics.chi[l]));
     };
     if (stack.base_kind == BaseKind::half_space) look_at(stack.base);
@@ -27,9 +27,9 @@ double largest_moment(const Stack& stack, int degree) {
 
 namespace {
 
-// Degrees with (2l+1) chi_l = x below this are dropped. Where light scattered once has all of them,
-// what they do to the rest is about 0.002 x or 0.005 x^2, whichever is more (docs/numerics.md).
-// Where it has no others, as below a rough boundary, the sum of all that are dropped shows.
+// Moments are dropped where x = (2l + 1) chi_l is below this. If light scattered once is computed
+// with all moments, the change of the rest is about max(.002 x, .005 x^2) (docs/numerics.md); if
+// not, as below a rough boundary, it is the sum of all moments dropped.
 double negligible_moment(const Stack& stack, const SolverOptions& options) {
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     if (is_rough || !options.single_scattering_correction)
@@ -37,20 +37,17 @@ double negligible_moment(const Stack& stack, const SolverOptions& options) {
     return std::min(0.05 * std::sqrt(options.tolerance), 20.0 * options.tolerance);
 }
 
-// These constants decide which estimates are believed: `miebrdf stress` (promises) and
-// tests/rte/random_boundaries_test.cpp count the converged results beyond their tolerance.
+// `miebrdf stress` (promises) and tests/rte/random_boundaries_test.cpp count converged results
+// beyond their tolerance, which these constants decide about.
 
-// chi_2n above this: between 2n/3 and n nodes the error does not fall geometrically yet.
+// With chi_2n above this the error does not fall geometrically between 2n/3 and n nodes.
 constexpr double kSlowAbove = 1e-2;
-// Matrix products of n terms, the sums over orders, the digits of input files: an error estimate
-// never claims less.
-constexpr double kRounding = 1e-13;
-// A solution with so little work (nodes cubed times Fourier orders) is worth a try even if more
-// nodes did not help before: about 0.1 s.
+// Up to this work (nodes cubed times Fourier orders, about .1 s) the next number of nodes is tried
+// even if more nodes did not help before.
 constexpr double kCheapWork = 8e6;
-// While nodes leave out moments that show, two solutions differ by these, and neither how much nor
-// for how long tells what the nodes that carry all of them will do: up to so much work they are
-// tried (0.2 s).
+// Up to this work (.2 s) nodes that carry all moments are tried: solutions with fewer nodes differ
+// by the moments that they leave out, and their differences do not tell how good one with all will
+// be.
 constexpr double kPromisingWork = 5e7;
 
 std::size_t most_moments(const Stack& stack) {
@@ -59,7 +56,7 @@ std::size_t most_moments(const Stack& stack) {
     return most;
 }
 
-// The moments that lists which were cut short allow (Optics::has_more_moments).
+// The last moment of a list that was cut short (Optics::has_more_moments) is used by delta-M alone.
 std::size_t most_usable_moments(const Stack& stack) {
     std::size_t most = most_moments(stack);
     const auto limit = [&](const Optics& optics) {
@@ -71,7 +68,7 @@ std::size_t most_usable_moments(const Stack& stack) {
     return most;
 }
 
-// Degrees up to the last one that shows, in any medium.
+// Moments up to the last one that is not dropped in some medium.
 std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) {
     constexpr std::size_t least = 4;
     std::size_t count = most_moments(stack);
@@ -83,7 +80,7 @@ std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) 
     return count;
 }
 
-// So many values that the largest difference of two solutions is no accident.
+// With at least this many values the largest difference of two solutions is not small by accident.
 constexpr std::size_t kManyValues = 100;
 
 // Only half-spaces count: thin coats converge slowly, like a power of the number of nodes.
@@ -92,12 +89,12 @@ bool are_many(std::size_t count, const Stack& stack) {
            !stack.boundary;
 }
 
-// In a coat so thin the radiance changes over cosines of the size of its depth, where few nodes
-// have none: of 2,000 random stacks with coats of depth 1e-4 to 0.02, one or two cosines of 0.01
-// and above each, 20 missed a tolerance of 1e-4 with fewer nodes than these, by up to 8 times
-// (`miebrdf stress` counts those that miss it with them: promises, smooth thin coats).
-constexpr double kThinDepth = 0.01, kThinTolerance = 3e-4;
-constexpr int kThinStreams = 16;
+// In a coat thinner than this the radiance changes over cosines of the size of its depth, and the
+// first solution has as many nodes as for a third of the tolerance. With fewer, of 2,000 random
+// stacks with coats of depth 1e-4 to .01, one or two cosines of .01 and above each, 20 missed a
+// tolerance of 1e-4, by up to 8 times (`miebrdf stress` counts those that miss it now: promises,
+// smooth thin coats).
+constexpr double kThinDepth = 0.01;
 
 bool has_thin_coat(const Stack& stack) {
     return std::any_of(stack.coats.begin(), stack.coats.end(), [](const Coat& coat) {
@@ -105,16 +102,17 @@ bool has_thin_coat(const Stack& stack) {
     });
 }
 
-// Nodes to try, ascending: from what the tolerance and the phase functions suggest up to 256.
+// Numbers of nodes to try, ascending up to 256; the first by tolerance and phase functions.
 std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options) {
     static constexpr int kSteps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
-    int start = most_moments(stack) <= 8 ? 8 : first_streams(options.tolerance);
-    if (options.tolerance < kThinTolerance && has_thin_coat(stack))
-        start = std::max(start, kThinStreams);
+    const bool is_thin = has_thin_coat(stack);
+    const int start = is_thin                    ? first_streams(options.tolerance / 3.0)
+                      : most_moments(stack) <= 8 ? 8
+                                                 : first_streams(options.tolerance);
     return {std::lower_bound(std::begin(kSteps), std::end(kSteps), start), std::end(kSteps)};
 }
 
-// Fewer nodes, to estimate the error of `streams` nodes by comparison.
+// The number of nodes of the solution that one with `streams` nodes is compared with.
 int coarser_streams(int streams) {
     return streams > 3 ? std::max(2, 2 * streams / 3) : streams + 1;
 }
@@ -129,7 +127,7 @@ void name_method(const SolverOptions& options, GridKind grid, std::string& name)
                    grids[int(grid)]);
 }
 
-// Calls visit(k, scale) for each value, with what its error is relative to.
+// Calls visit(k, scale) for each value; its error is relative to scale.
 template <typename Visit>
 void visit_values(const std::vector<double>& values, const JudgedValues& judged,
                   const Visit& visit) {
@@ -146,46 +144,45 @@ double difference(double a, double b, double scale) {
     return change > 0.0 ? change / scale : 0.0;
 }
 
-// Whether `value` is to take the place of the largest so far: NaN does, and stays.
+// value > largest; NaN counts as larger than any number.
 bool is_larger(double value, double largest) { return value > largest || std::isnan(value); }
 
 void keep_largest(double& largest, double value) {
     if (is_larger(value, largest)) largest = value;
 }
 
-// Errors of trapped light change their sign slowly as nodes are added, those of all values of a
-// stack together, so that two solutions may agree by chance however many values there are. Of 784
-// solutions of random stacks below boundaries (tests/rte/random_boundaries_test.cpp) with 8 to 48
-// nodes, 97 of 100 erred by less than half of this share of their difference from one with 4/9 of
-// the nodes, and 99 of 100 by about this share (.26 to .35).
+// Where light is trapped, the error is at least this share of the difference from the solution with
+// 4/9 of the nodes: errors of all values of a stack change their sign together, and slowly as nodes
+// are added, so that two solutions may agree by chance. Of 784 solutions of random stacks below
+// boundaries (tests/rte/random_boundaries_test.cpp) with 8 to 48 nodes, 97 of 100 erred by less
+// than half of this share, 99 of 100 by about this share (.26 to .35).
 constexpr double kShareOfTrapped = 0.3;
 
-// The difference that two solutions are taken to have at least, when the ones before them differ by
-// `before`: errors of few values have signs and may agree by chance.
-// Near retro-reflection unresolved glories come and go with each number of nodes: there all of it
-// counts.
-double least_difference(double before, bool slow, bool backwards) {
-    if (slow) return backwards ? before : 0.1 * before;
-    return before < 1.0 ? before * std::sqrt(before) : before;
+// The least difference of the last two solutions that is believed, where the first and the last
+// differ by `all`: two solutions may agree by chance. Near retro-reflection all of it counts,
+// because glories that are resolved in part come and go with each number of nodes.
+double least_difference(double all, bool slow, bool backwards) {
+    if (slow) return backwards ? all : 0.1 * all;
+    return all < 1.0 ? all * std::sqrt(all) : all;
 }
 
-// Boundaries and mirrors send light back into a layer again and again.
+// Boundaries and mirrors reflect light back into a layer repeatedly.
 bool traps_light(const Stack& stack) {
     return stack.boundary.has_value() || stack.base_kind == BaseKind::mirror;
 }
 
-// The factor by which solutions that are `apart` may gain at most.
+// The least factor between the error of the finer solution and `apart`, its difference from the
+// coarser one.
 double least_gain(double apart, int coarse, int fine) {
     const double farther = double(fine) / coarse - 1.0;
     return std::pow(apart, 0.25 * std::min(farther, 0.5));
 }
 
-// Compares three solutions with about 4n/9, 2n/3 and n nodes. The error falls like r^n for smooth
-// phase functions and like a power of n at grazing: in both cases the finest errs by no more than
-// d q, d the difference of the last two and q what it has fallen by from that of the first two. No
-// more is claimed than d to the power 1.125 (r^n alone would be 1.5; of closer nodes in
-// proportion), and nothing of unresolved peaks, which keep the difference itself
-// (docs/numerics.md).
+// Compares three solutions with about 4n/9, 2n/3 and n nodes. Let d be the difference of the last
+// two, q its ratio to that of the first two. The error falls like r^n for smooth phase functions
+// and like a power of n at grazing: in both cases the finest solution errs by d q at most. The
+// estimate is d q, but at least d^1.125 (r^n alone would be d^1.5; of closer nodes in proportion),
+// and d itself where peaks are not resolved (docs/numerics.md).
 // @return d
 double estimate_error(const Solution& coarsest, const Solution& coarse, Solution& fine,
                       const JudgedValues& judged, bool slow, bool has_many, bool traps,
@@ -214,7 +211,8 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
     }
     std::size_t within = 0;
     double largest = 0.0;
-    const double least = std::max(report.error_estimate, kRounding);
+    // Equations are solved to this: two solutions that agree better do so by chance.
+    const double least = std::max(report.error_estimate, kEquationShare * tolerance);
     fine.errors.clear();
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         double error = gain * last_at(k, scale);
@@ -247,23 +245,32 @@ double work_of(int streams, int fourier_orders) {
     return std::pow(double(streams), 3) * fourier_orders;
 }
 
-}  // namespace
-
+// A solution with so little work is tried even if more nodes did not help before.
 bool is_worth_a_try(int streams, int fourier_orders) {
     return work_of(streams, fourier_orders) <= kCheapWork;
 }
 
-bool LadderProgress::has_stalled_at(double estimate) {
-    const bool grown = estimate > 2.0 * best_;
-    const bool idle = estimate > 0.5 * best_before_;
-    best_before_ = best_;
-    best_ = std::min(best_, estimate);
-    return grown || idle;
-}
+// Watches the estimates of a ladder of numbers of nodes. Where no number in reach resolves a
+// direction (a forward peak seen along the horizon), the estimate stays: climbing on would cost n^3
+// and gain nothing.
+class LadderProgress {
+  public:
+    // True once the estimate is twice the best before it, or two steps (twice the nodes) have not
+    // halved it.
+    bool has_stalled_at(double estimate) {
+        const bool grown = estimate > 2.0 * best_;
+        const bool idle = estimate > 0.5 * best_before_;
+        best_before_ = best_;
+        best_ = std::min(best_, estimate);
+        return grown || idle;
+    }
 
-namespace {
+  private:
+    double best_ = std::numeric_limits<double>::infinity();
+    double best_before_ = std::numeric_limits<double>::infinity();  // without the last estimate
+};
 
-// Nodes of the ladder, the fewest that carry all moments that show; 0: none does.
+// The fewest nodes of the ladder that carry all moments that are not dropped; 0: none does.
 int fewest_carrying(std::span<const int> ladder, const Stack& stack, const SolverOptions& options) {
     const std::size_t moments =
         std::min(most_usable_moments(stack), moments_that_show(stack, options));
@@ -342,7 +349,7 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
     int streams = ladder.front();
     const int coarser = coarser_streams(streams), before_coarser = coarser_streams(coarser);
     coarsest.clear();
-    // Many values need it only where the other two alone do not agree.
+    // With many values the coarsest is solved only where the other two do not agree.
     bool may_be_spared = has_many && !converges_slowly(stack, streams) && before_coarser < coarser;
     if (before_coarser < coarser && !may_be_spared) solve_at(before_coarser, coarsest);
     solve_at(coarser, coarse);
@@ -352,8 +359,8 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
     while (true) {
         solve_at(streams, fine);
         const int orders = fine.report.fourier_orders;
-        // For larger spheres few nodes, with what they do not resolve in closed form, are as good
-        // as more nodes.
+        // For larger spheres no number of nodes resolves glories, of which the unresolved part is
+        // known in closed form: few nodes are as good as more.
         const bool can_be_resolved =
             carrying > 0 && work_of(std::max(streams, carrying), orders) <= kPromisingWork;
         const double of_steps = fine.report.error_estimate;
@@ -382,7 +389,7 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
             has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
         if (fine.report.converged || step + 1 == ladder.size()) break;
         const bool stalled = fine.physical && progress.has_stalled_at(fine.report.error_estimate);
-        // The two before must carry all moments, too, or the three still differ by them.
+        // All three solutions must carry all moments, or they differ by these.
         const int fewest = coarsest.physical ? coarsest.report.streams : coarse.report.streams;
         const bool promising = fewest < carrying && can_be_resolved;
         const int next = ladder[++step];

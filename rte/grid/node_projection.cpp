@@ -8,9 +8,10 @@
 namespace miebrdf::rte {
 namespace {
 
-// Y_l has 0.8 l / pi waves per unit of the angle whose cosine is 2t - 1 (mapped nodes; plain ones
-// 0.71), a polynomial through n nodes has n / pi; Gauss nodes integrate twice as many as they are.
-// Three quarters of this still leave 1e-6 where n = 24 and L = 192.
+// Samples that integrate l_j times Y_l. In the angle whose cosine is 2t - 1, Y_l has .8 l / pi
+// waves per unit (mapped nodes; .71 with plain ones), the polynomial through n nodes n / pi, and k
+// Gauss nodes integrate 2k / pi: k = (n + .8 l) / 2 and a margin. (With three quarters of it 1e-6
+// is left at n = 24 and 192 degrees.)
 Eigen::Index fine_count(Eigen::Index count, int degrees) {
     constexpr double margin = 6.0;
     return Eigen::Index(

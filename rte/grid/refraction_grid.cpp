@@ -9,8 +9,8 @@
 namespace miebrdf::rte {
 namespace {
 
-// Two indices so close together leave a narrow panel, which needs fewer nodes; what lies between
-// them and the next one ends so close to grazing that it is mapped too.
+// A panel is narrow where high < kNarrow low: it needs half of the nodes. The next panel, of
+// smaller q, ends so close to grazing in both media that its nodes are mapped too.
 constexpr double kNarrow = 1.05;
 
 double root_of_difference(double larger, double smaller) {
@@ -20,9 +20,9 @@ double root_of_difference(double larger, double smaller) {
 // The shares of a panel.
 constexpr int kWideShare = 2, kNarrowShare = 1;
 
-// Two panels, as one medium, have all nodes. Of more, each has a fourth of them for each of its
-// shares, as it would have beside one other: light from air must not find fewer nodes because there
-// are many hosts, and two solutions that are compared must differ in every panel.
+// One or two panels share `count` nodes. Each of three or more has as many as it would have beside
+// one wide panel (wide ones count / 2): light from air must not meet fewer nodes because there are
+// many media, and two solutions that are compared must differ in every panel.
 std::vector<int> share_out(const std::vector<RefractionPanel>& panels, int count, int least) {
     std::vector<int> shares;
     int sum = 0;
@@ -109,23 +109,17 @@ ZenithGrid RefractionGrid::in_medium(double index) const {
     const Eigen::Index above = size() - count;
     for (const RefractionPanel& panel : panels_) {
         if (panel.high > index) continue;
-        const double beyond = (index - panel.high) * (index + panel.high);  // n^2 - high^2
-        grid.panels.push_back(
-            {.count = panel.count,
-             .map = panel.mapped ? GridPanel::Map::squared : GridPanel::Map::straight,
-             .widest = panel.widest,
-             .share = panel.high * panel.high / (index * index),
-             .beyond = beyond / (index * index)});
+        // n^2 mu dmu = high^2 c dc.
+        const double n2 = index * index;
+        const GridPanel& here = grid.panels.emplace_back(
+            GridPanel{.count = panel.count,
+                      .map = panel.mapped ? GridPanel::Map::squared : GridPanel::Map::straight,
+                      .widest = panel.widest,
+                      .share = panel.high * panel.high / n2,
+                      .beyond = (index - panel.high) * (index + panel.high) / n2});
         for (Eigen::Index p = panel.first; p < panel.first + panel.count; ++p) {
-            const double t = t_[p];
-            const double c = panel.widest * (panel.mapped ? t * t * (2.0 - t) : t);
-            const double dc = panel.widest * (panel.mapped ? t * (4.0 - 3.0 * t) : 1.0);
-            const double high2 = panel.high * panel.high;
-            const double mu = std::sqrt(beyond + high2 * c * c) / index;
-            grid.mu[p - above] = beyond == 0.0 ? c : mu;
-            // n^2 mu dmu = high^2 c dc.
-            grid.weights[p - above] =
-                weight_[p] * high2 * c * dc / (index * index * grid.mu[p - above]);
+            grid.mu[p - above] = here.cosine(t_[p]);
+            grid.weights[p - above] = weight_[p] * here.slope(t_[p]);
         }
     }
     return grid;

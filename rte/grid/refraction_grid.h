@@ -1,5 +1,6 @@
-// Nodes for layers of several refractive indices: every node is one value of n sin(theta), which
-// Snell's law keeps, so that a smooth boundary between two indices is diagonal.
+// Nodes for layers of several refractive indices n. Each node is a value of q = n sin(theta), which
+// Snell's law keeps: a smooth boundary sends light from a node into the same node (diagonal
+// matrices).
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +14,8 @@ namespace miebrdf::rte {
 struct RefractionPanel {
     double low = 0.0, high = 1.0;
     Eigen::Index first = 0, count = 0;  ///< its nodes
-    /// The cosine in the medium of index `high` is c = widest * t^2 (2 - t) if true, else
-    /// widest * t; t are Gauss nodes on (0, 1).
+    /// The cosine c in the medium of index `high` is widest * t^2 (2 - t) if true, else widest * t;
+    /// t are Gauss nodes on (0, 1).
     bool mapped = false;
     double widest = 1.0;  ///< (1 - low^2 / high^2)^(1/2)
 
@@ -26,13 +27,13 @@ struct RefractionPanel {
 /// cosine of the medium in which the panel ends (docs/maths-boundary.md).
 class RefractionGrid {
   public:
+    /// The media lie below air (index 1).
     /// @param indices  of the media that scatter, in any order, each at least 1
-    /// @param count    nodes of one medium and air together; those of more media are as close
-    /// @param least    nodes of a panel
-    /// Air (index 1) is above them.
+    /// @param count    nodes of one medium and air together; more media have more, equally dense
+    /// @param least    nodes that each panel has at least
     RefractionGrid(std::vector<double> indices, int count, int least = 1);
 
-    /// The part with n sin(theta) below one of the indices: what light of that medium has.
+    /// The nodes with q below one of the indices: those that light in this medium can have.
     RefractionGrid within(double index) const;
 
     bool operator==(const RefractionGrid& other) const;
@@ -41,10 +42,10 @@ class RefractionGrid {
     const std::vector<RefractionPanel>& panels() const { return panels_; }
     /// The Gauss node of each node in its panel.
     const Eigen::VectorXd& t() const { return t_; }
-    /// Nodes with q below an index: the last ones.
+    /// The number of nodes with q below an index; these are the last ones.
     Eigen::Index nodes_below(double index) const;
-    /// Cosines and weights in a medium of one of the indices, or in air: the nodes_below() it.
-    /// n^2 mu dmu is the same in all.
+    /// Cosines and weights of the nodes_below() an index, in the medium that has it or in air.
+    /// n^2 mu dmu is the same in all media.
     ZenithGrid in_medium(double index) const;
 
   private:

@@ -13,18 +13,14 @@
 namespace miebrdf::rte {
 namespace {
 
-// When a sum over orders ends; `miebrdf stress` (promises) counts the converged results beyond
-// their tolerance.
-
-// Slower series are not trusted to be geometric.
+// Series that fall more slowly are not trusted to be geometric. (`miebrdf stress` counts converged
+// results beyond their tolerance: promises.)
 constexpr double kSlowestRatio = 0.7;
-// Orders in a row that must agree with those of a coarser solution before the rest is taken over.
-constexpr int kEnoughAlike = 2;
 
 double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 
-// The rest of a geometric series of orders above 0, which count twice, in terms of the last. There
-// are no more than those of a boundary.
+// 2 r / (1 - r), the rest of a geometric series in terms of its last order; at most as many orders
+// as a boundary has.
 double rest_of_series(double fall) {
     const double most = kMostBoundaryOrders;
     return 2.0 * (fall < 1.0 ? std::min(fall / (1.0 - fall), most) : most);
@@ -69,7 +65,7 @@ double FourierSizes::over_listed(const std::vector<double>& reflection) const {
 
 int FeatureOrders::last(int m, int highest, double scale, double tolerance,
                         const std::function<double(int)>& size_of) const {
-    const std::vector<int> orders = probes(m, scale, tolerance);
+    const std::vector<int> orders = higher_orders(m, scale, tolerance);
     int last = m;
     for (const int order : orders) {
         if (order >= highest) break;
@@ -89,7 +85,7 @@ double FourierSizes::relative(const Eigen::VectorXd& largest) const {
 FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
     : strengths_(GloryStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
 
-// Near retro-reflection the orders above m are the share 2/pi acos(m / l) of P_l.
+// The strength of orders above m: near retro-reflection they are the share 2/pi acos(m / l) of P_l.
 double FeatureOrders::beyond(int m) const {
     double sum = 0.0;
     for (Eigen::Index l = m + 1; l < strengths_.size(); ++l)
@@ -97,10 +93,10 @@ double FeatureOrders::beyond(int m) const {
     return sum;
 }
 
-std::vector<int> FeatureOrders::probes(int m, double scale, double tolerance) const {
+std::vector<int> FeatureOrders::higher_orders(int m, double scale, double tolerance) const {
     std::vector<int> orders;
     if (!(scale * beyond(m) > tolerance)) return orders;
-    int last = m + 1;  // where what lies beyond has fallen to the tolerance
+    int last = m + 1;  // the order beyond which the features are below the tolerance
     for (int step = int(strengths_.size()); step > 0; step /= 2) {
         if (last + step < int(strengths_.size()) && scale * beyond(last + step) > tolerance)
             last += step;
@@ -141,7 +137,7 @@ bool FourierTail::ends_with(double largest) {
 
 namespace {
 
-// Largest (mu + mu') |R| over the requested pairs: bounded also at grazing angles.
+// The largest (mu + mu') |R| over the requested pairs: it stays bounded at grazing angles.
 double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
                        const RequestedDirections& requested) {
     double largest = 0.0;
@@ -161,28 +157,20 @@ void CoarserFourierOrders::compare(int fourier_order, const Eigen::MatrixXd& fin
     if (fourier_order == 0) order_zero_ = largest_bounded(finer, requested);
     const auto at = std::size_t(fourier_order);
     if (at >= orders_.size() || orders_[at].size() != finer.size()) return;
-    const double difference = largest_bounded(finer - orders_[at], requested);
-    const bool is_alike = difference <= tolerance_ * order_zero_;
-    alike_ = is_alike ? alike_ + 1 : 0;
-    // Other orders are apart up to this times as far as order 0.
+    // Other orders differ by up to this times as much.
     constexpr double other_orders = 10.0;
-    const bool is_first =
-        fourier_order == 0 && other_orders * difference <= tolerance_ * order_zero_;
-    if (is_first && order_zero_ > 0.0) {
-        alike_ = kEnoughAlike;
-        difference_ = other_orders * difference / order_zero_;
-        return;
-    }
-    if (!is_alike || order_zero_ == 0.0) {
-        difference_ = 0.0;
-    } else {
-        difference_ = std::max(difference_, difference / order_zero_);
-    }
+    if (order_zero_ == 0.0) return;
+    const double doubt =
+        other_orders * largest_bounded(finer - orders_[at], requested) / order_zero_;
+    // With the order before: odd or even ones alone may be 0, at the zenith for instance.
+    const double of_both = std::max(doubt, difference_);
+    is_settled_ = of_both <= tolerance_;
+    difference_ = is_settled_ ? of_both : doubt;
 }
 
 const Eigen::MatrixXd* CoarserFourierOrders::settled(int fourier_order) const {
     const auto at = std::size_t(fourier_order);
-    if (alike_ < kEnoughAlike || at >= orders_.size() || orders_[at].size() == 0) return nullptr;
+    if (!is_settled_ || at >= orders_.size() || orders_[at].size() == 0) return nullptr;
     return &orders_[at];
 }
 
@@ -193,17 +181,10 @@ bool is_smooth(const ScaledStack& stack) {
     });
 }
 
-Eigen::VectorXd asked_incidences(const RequestedDirections& requested) {
-    Eigen::VectorXd mu_in(Eigen::Index(requested.asked_in()));
-    for (std::size_t i = 0; i < requested.asked_in(); ++i)
-        mu_in[Eigen::Index(i)] = requested.mu[requested.in[i]];
-    return mu_in;
-}
-
 namespace {
 
-// The sum of (2 - delta_m0) R^m cos(m azimuth), several orders at a time: a product of matrices. Of
-// Stokes vectors one for each element, with sin(m azimuth) for some.
+// Sums (2 - delta_m0) R^m cos(m azimuth), or sin(m azimuth) for some elements of Stokes vectors,
+// for up to 16 orders at a time as a product of matrices.
 class AzimuthSum {
   public:
     /// @param pairs       of cosines
@@ -224,8 +205,8 @@ class AzimuthSum {
         for (Eigen::Index a = 0; a < turn_.size(); ++a) turn_[a] = unit(1, a);
     }
 
-    void add(int m, const Eigen::Block<const Eigen::MatrixXd>& multiple) {
-        // Exact ones now and then, and turned by one azimuth in between.
+    void add(int m, const Eigen::MatrixXd& multiple) {
+        // exp(i m azimuth): exact for every 16th order, multiplied by exp(i azimuth) in between.
         for (; next_ <= m; ++next_) {
             if (next_ % kMostAtOnce == 0) {
                 for (Eigen::Index a = 0; a < direction_.size(); ++a) direction_[a] = unit(next_, a);
@@ -244,7 +225,7 @@ class AzimuthSum {
         if (++count_ == at_once_) finish();
     }
 
-    /// Until then orders may be missing from the sum.
+    /// Adds the orders that wait.
     void finish() {
         const Eigen::Index azimuths = cosines_.rows(), elements = Eigen::Index(orders_.size());
         for (Eigen::Index e = 0; e < elements && azimuths > 0; ++e) {
@@ -256,22 +237,18 @@ class AzimuthSum {
                 Eigen::OuterStride<>(elements * azimuths));
             const auto waves = (harmonic.is_sine ? sines_ : cosines_).leftCols(count_);
             const auto orders = element.leftCols(count_).transpose();
-            if (components_ > 1 || sum.rows() + sum.cols() <= kLargestCoefficientWise) {
-                // Coefficient by coefficient Eigen rounds as the address of the result has it:
-                // always alike in memory of its own.
-                sum += (harmonic.sign * waves * orders).eval();
-            } else {
-                sum.noalias() += waves * orders;
-            }
+            // Eigen's rounding of small products depends on the address of the result: own memory
+            // is aligned.
+            product_.noalias() = waves * orders;
+            sum += harmonic.sign * product_;
         }
         count_ = 0;
     }
 
   private:
     static constexpr int kMostAtOnce = 16;
-    static constexpr Eigen::Index kLargestCoefficientWise = 32;  ///< more than Eigen's limit of 20
 
-    /// Large tables wait in 2 MB.
+    /// As many orders as fit into 2 MB.
     static Eigen::Index at_once(std::size_t values) {
         constexpr std::size_t most = 1 << 18;
         return std::clamp<Eigen::Index>(Eigen::Index(most / std::max<std::size_t>(values, 1)), 1,
@@ -286,28 +263,24 @@ class AzimuthSum {
     int components_;
     Eigen::Index at_once_;
     Eigen::MatrixXd cosines_, sines_;      ///< azimuths x orders that wait
-    Eigen::ArrayXcd turn_, direction_;     ///< exp(i azimuth), and of the last order
-    std::vector<Eigen::MatrixXd> orders_;  ///< of each element pairs x orders that wait
+    Eigen::ArrayXcd turn_, direction_;     ///< exp(i azimuth), exp(i m azimuth) of the last order
+    std::vector<Eigen::MatrixXd> orders_;  ///< by element; pairs x orders that wait
+    Eigen::MatrixXd product_;
     int next_ = 0, count_ = 0;
     std::vector<double>& sum_;
 };
 
-// How the equations of one order were solved, and the albedos from order 0.
-void note(const StackOrder& order, int fourier_order, const RequestedDirections& requested,
-          MultipleScattering& sum) {
+// Keeps convergence and, from order 0, albedos.
+void note(const StackOrder& order, int fourier_order, MultipleScattering& sum) {
     sum.iterations = std::max(sum.iterations, order.iterations);
     sum.residual = std::max(sum.residual, order.residual);
     sum.converged = sum.converged && order.converged;
     if (fourier_order > 0) return;
-    const auto asked = [&](std::vector<double> albedo) {
-        albedo.resize(std::min(albedo.size(), requested.asked_in()));
-        return albedo;
-    };
-    sum.plane_albedo = asked(order.plane_albedo);
-    sum.polarised_plane_albedo = asked(order.polarised_plane_albedo);
+    sum.plane_albedo = order.plane_albedo;
+    sum.polarised_plane_albedo = order.polarised_plane_albedo;
 }
 
-/// The elements of an order that are wanted, in all directions.
+/// R^m of the components shown.
 const Eigen::MatrixXd& shown_part(const StackOrder& order, const SolvedLight& light,
                                   Eigen::MatrixXd& intensity) {
     if (light.shown() == light.components) return order.multiple;
@@ -339,9 +312,9 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     const int c = light.shown();
     const RequestedDirections rows = repeated(requested, c);
     MultipleScattering sum;
-    sum.reflection.assign(rows.asked_in() * rows.asked_out() * azimuth_deg.size(), 0.0);
-    const bool keep = kept == KeptOrders::for_finer && is_smooth(stack) &&
-                      rows.in.size() * rows.out.size() <= kMostKeptPairs;
+    sum.reflection.assign(rows.in.size() * rows.out.size() * azimuth_deg.size(), 0.0);
+    const bool keep = kept == KeptOrders::for_table ||
+                      (is_smooth(stack) && rows.in.size() * rows.out.size() <= kMostKeptPairs);
 
     StackSolver solver(stack, grids, requested, light.components, options, memory);
     const int all_orders = highest_fourier_order(requested, solver.fourier_orders(), light);
@@ -350,15 +323,11 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     FourierSizes sizes(c);
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
     const FeatureOrders features(stack, requested);
-    const Eigen::VectorXd mu_in = asked_incidences(requested);
-    AzimuthSum by_azimuth(azimuth_deg, requested.asked_in() * requested.asked_out(), c,
+    const Eigen::VectorXd mu_in = requested.mu(requested.in);
+    AzimuthSum by_azimuth(azimuth_deg, requested.in.size() * requested.out.size(), c,
                           sum.reflection);
-    const auto asked_part = [&](const Eigen::MatrixXd& multiple) {
-        return multiple.topLeftCorner(Eigen::Index(rows.asked_out()),
-                                      Eigen::Index(rows.asked_in()));
-    };
     Eigen::MatrixXd intensity;
-    double order_zero_over_peak = 1.0;  // of the listed values
+    double order_zero_over_peak = 1.0;  // FourierSizes::over_listed
     int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
         if (m > 0 && c == 1 && fourier_order_vanishes(m, azimuth_deg) &&
@@ -372,36 +341,29 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
                 sum.physical = false;
                 return sum;
             }
-            note(order, m, requested, sum);
+            note(order, m, sum);
             multiple = &shown_part(order, light, intensity);
             coarser.compare(m, *multiple, rows);
         }
         sum.fourier_orders = m + 1;
-        const auto asked = asked_part(*multiple);
-        by_azimuth.add(m, asked);
-        ended = exactly == 0 && tail.ends_with(sizes.next(asked)) && m >= least;
+        by_azimuth.add(m, *multiple);
+        ended = exactly == 0 && tail.ends_with(sizes.next(*multiple)) && m >= least;
         if (ended) {
             by_azimuth.finish();
             order_zero_over_peak = sizes.over_listed(sum.reflection);
         }
         ended = ended && order_zero_over_peak * tail.remaining() <= tail_tolerance;
-        if (kept == KeptOrders::asked_for) {
-            sum.by_fourier_order.push_back(asked);
-        } else if (keep) {
+        if (keep) {
             sum.by_fourier_order.resize(std::size_t(m) + 1);
             sum.by_fourier_order.back() = *multiple;
         }
         if (!ended) continue;
-        least = features.last(m, highest, sizes.of_retro_reflection(mu_in),
-                              tail_tolerance / order_zero_over_peak, [&](int order) {
-                                  const auto& far =
-                                      shown_part(solver.solve(order), light, intensity);
-                                  return sizes.of(asked_part(far));
-                              });
+        least = features.last(
+            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance / order_zero_over_peak,
+            [&](int order) { return sizes.of(shown_part(solver.solve(order), light, intensity)); });
         ended = least <= m;
     }
     by_azimuth.finish();
-    // 0: every order there is.
     const bool are_all = m == highest && highest <= stack.moments;
     sum.tail = are_all ? 0.0 : order_zero_over_peak * tail.remaining();
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());

@@ -16,15 +16,14 @@
 namespace miebrdf::rte {
 namespace {
 
-// Other bases than a white ground: at single directions they may be brighter by this.
+// Any base is at most this many times brighter than a white ground in one direction.
 constexpr double kSafety = 100.0;
-constexpr double kDeepestCoat = 1e100;
 
 double largest(const std::vector<double>& cosines) {
     return cosines.empty() ? 1.0 : *std::max_element(cosines.begin(), cosines.end());
 }
 
-// A few of a list, its ends among them.
+// At most `few` values in equal steps of the list, the first and the last among them.
 std::vector<double> a_few_of(const std::vector<double>& values) {
     constexpr std::size_t few = 8;
     if (values.size() <= few) return values;
@@ -34,8 +33,8 @@ std::vector<double> a_few_of(const std::vector<double>& values) {
     return some;
 }
 
-// A bound of what the base below a coat changes: between a black and a white one, in modes of decay
-// k, by 2 k/v / sinh(2 k tau), which falls with k.
+// The change of R between a black and a white base, at most: (2 k / v) / sinh(2 k tau), which falls
+// with k; for k = 0 it is 1 / (v tau).
 double most_visible(const Optics& coat, double optical_depth) {
     double odd = 0.0;
     for (std::size_t l = 1; l < coat.chi.size(); l += 2) odd = std::max(odd, std::abs(coat.chi[l]));
@@ -45,8 +44,8 @@ double most_visible(const Optics& coat, double optical_depth) {
     return (x > 0.0 ? x / std::sinh(x) : 1.0) / (v * optical_depth);
 }
 
-// Of light scattered once in a half-space of the medium, as least_brightness; albedos count as
-// reflections at the middle of the hemisphere.
+// least_brightness of a half-space; where albedos alone are asked for, R at mu_out = .5 stands for
+// them.
 double least_brightness(const Optics& medium, Directions directions) {
     constexpr int moments = 32;
     if (directions.mu_out.empty()) directions = {std::move(directions.mu_in), {0.5}, {90.0}};
@@ -92,8 +91,8 @@ double least_brightness(const ScaledStack& stack, const Directions& directions) 
 
 bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_depth,
                             double allowed) {
-    // With q = strongest(): U and V (eigenmodes.h) are at least (1 - q) M^-1, so that nothing
-    // decays more slowly than exp(-(1 - q) tau), down and up.
+    // With q = strongest(), U and V (eigenmodes.h) are at least (1 - q) M^-1, so that all modes
+    // decay at least like exp(-(1 - q) tau), on the way down and again on the way up.
     const double slowest = 1.0 - coat.strongest();
     return slowest > 0.0 && std::exp(-2.0 * slowest * scaled_optical_depth) <= allowed;
 }
@@ -101,14 +100,15 @@ bool hides_in_fourier_order(const FourierMedium& coat, double scaled_optical_dep
 bool is_bottomless(double optical_depth) { return std::isinf(optical_depth); }
 
 double bounded_depth(double scaled_optical_depth) {
-    return is_bottomless(scaled_optical_depth) ? scaled_optical_depth
-                                               : std::min(scaled_optical_depth, kDeepestCoat);
+    return is_bottomless(scaled_optical_depth)
+               ? scaled_optical_depth
+               : std::min(scaled_optical_depth, std::cbrt(std::numeric_limits<double>::max()));
 }
 
 Stack with_black_ground(Stack stack) {
     if (stack.base_kind != BaseKind::half_space) return stack;
     if (stack.base.single_scattering_albedo != 0.0) return stack;
-    // A step of the index is seen in the dark too.
+    // A step of the index reflects light, whatever the albedo below.
     const auto is_seen = [&] {
         return stack.boundary && !stack.coats.empty() &&
                stack.coats.front().index != stack.base_index;

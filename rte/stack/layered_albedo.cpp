@@ -1,18 +1,17 @@
-// Plane and spherical albedos, and what passes: Fourier order 0 alone.
+// Plane and spherical albedos and transmittances: Fourier order 0 alone.
 #include <algorithm>
 #include <functional>
 #include <optional>
 
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/requests.h"
 #include "rte/stack/solution_memory.h"
 
 namespace miebrdf::rte {
 namespace {
 
-/// Light that passes the layers is gone, or is the ground's; what a surface above does to it is not
-/// known here.
+/// Whether transmittances are computed: there is a bottom, all methods are automatic, and no
+/// surface lies above, through which the light that enters is not known here.
 bool has_transmittance(BaseKind base, const SolverOptions& options, bool has_surface) {
     return base != BaseKind::half_space && !has_surface &&
            options.coat_method == CoatMethod::automatic;
@@ -148,7 +147,8 @@ LightComparison compare_albedos(const Stack& stack, const std::vector<double>& m
         return std::move(solution.values);
     };
     LightComparison both{solved(1), solved(3)};
-    // Changes by polarised light stand behind the plane albedos.
+    // Values are plane albedos, their changes by polarised light, then the rest: remove the
+    // changes.
     const auto changes = both.with.begin() + std::ptrdiff_t(mu_in.size());
     both.with.erase(changes, changes + std::ptrdiff_t(mu_in.size()));
     return both;

@@ -14,13 +14,12 @@
 #include "rte/grid/refraction_grid.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
-#include "rte/stack/requests.h"
 #include "rte/stack/solution_memory.h"
 
 namespace miebrdf::rte {
 namespace {
 
-/// Whether media have narrow features that the nodes do not resolve all of.
+/// Whether a medium has narrow features (glories) that the nodes resolve in part or not at all.
 bool has_glory(const ScaledStack& stack) {
     return !stack.has_mirrors() &&
            std::any_of(stack.media.begin(), stack.media.end(), [](const ScaledMedium& medium) {
@@ -28,15 +27,15 @@ bool has_glory(const ScaledStack& stack) {
            });
 }
 
-/// Values within this of retro-reflection are judged by all differences of solutions.
+/// Within this angle of retro-reflection all of the difference of solutions counts.
 constexpr double kNearRetroDeg = 5.0;
-/// Straight back is within this of retro-reflection: the widths of glories and beyond.
+/// Directions within this angle of retro-reflection count as straight back: wider than glories.
 constexpr double kStraightBackDeg = 1.0;
-/// What nodes do not resolve of a glory straight back (unresolved_glory) may err by this share of
-/// itself, however well two solutions agree. The rms difference from solutions with 256 nodes, of
-/// solutions with 12, 24 and 48 (tools/bench/retro_reflection.py has such spheres): at the zenith
-/// of 92 half-spaces of spheres of 10 to 50 um, bare and coated, whose glory is a tenth of R or
-/// more (docs/internals/numerics-log.md); elsewhere of 22 of 2 to 12 um.
+/// The error of the part of a glory that nodes do not resolve (unresolved_glory), as a share of
+/// this part, straight back, however well two solutions agree. The rms difference from solutions
+/// with 256 nodes, of solutions with 12, 24 and 48 (tools/bench/retro_reflection.py has such
+/// spheres): at the zenith of 92 half-spaces of spheres of 10 to 50 um, bare and coated, whose
+/// glory is a tenth of R or more (docs/internals/numerics-log.md); elsewhere of 22 of 2 to 12 um.
 constexpr double kGloryDoubtAtZenith = 0.03, kGloryDoubt = 0.016;
 
 double doubt_of_glory(const ScaledStack& stack, double mu_air) {
@@ -84,17 +83,36 @@ void reflect_with(const Request& request, const Discretisation& discretisation,
     solution.report.iterations = multiple.iterations;
     solution.report.converged = multiple.converged && multiple.physical;
     solution.report.error_estimate = std::max(multiple.tail, multiple.residual);
-    // However well two solutions agree: no order but the first is solved better.
-    if (multiple.fourier_orders > 1) {
-        solution.report.error_estimate =
-            std::max(solution.report.error_estimate, kEquationShare * options.tolerance);
-    }
     if (!solution.physical) return;
     first_order.add_to(solution.values, scaled);
     solution.has_glory = has_glory(scaled);
 }
 
-// `worst_value` counts as ReflectionTable::reflection does.
+// Each error, but no less than those of the azimuths beside it and than the median at its
+// incidence: two solutions may agree by accident at single values.
+std::vector<double> largest_nearby(const std::vector<double>& errors,
+                                   const Directions& directions) {
+    const std::size_t azimuths = directions.azimuth_deg.size();
+    const std::size_t block = directions.mu_out.size() * azimuths;
+    std::vector<double> all, sorted;
+    all.reserve(errors.size());
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+        if (k % block == 0) {
+            const auto first = errors.begin() + std::ptrdiff_t(k);
+            sorted.assign(first, first + std::ptrdiff_t(block));
+            std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(block / 2),
+                             sorted.end());
+        }
+        const std::size_t a = k % azimuths;
+        const auto here = errors.begin() + std::ptrdiff_t(k);
+        all.push_back(std::max(*std::max_element(here - (a > 0), here + 1 + (a + 1 < azimuths)),
+                               sorted[block / 2]));
+    }
+    return all;
+}
+
+// From [pair][element][azimuth] to the order of ReflectionTable::reflection, and the direction
+// there.
 void name_worst_direction(const Directions& directions, std::size_t elements,
                           SolverReport& report) {
     const std::size_t azimuths = directions.azimuth_deg.size();
@@ -109,8 +127,8 @@ void name_worst_direction(const Directions& directions, std::size_t elements,
     report.worst_value = (pair * azimuths + azimuth) * elements + element;
 }
 
-// States what glories may err by straight back. No further nodes are asked for: those in reach do
-// not lower it.
+// States the error of glories straight back (doubt_of_glory). No further nodes are tried: those in
+// reach do not lower it.
 void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack, double tolerance,
                           ReflectionTable& table) {
     if (!has_glory(stack)) return;
@@ -141,7 +159,7 @@ void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack
     report.share_within_tolerance = double(within) / double(table.errors.size());
 }
 
-/// Without a pair of directions there is no value of R, but each incidence has its albedo.
+/// The table of a request without any pair of directions: albedos at each incidence, no R.
 ReflectionTable without_pairs(const Stack& stack, const std::vector<double>& mu_in,
                               const SolvedLight& light, const SolverOptions& options,
                               SolutionMemory& memory) {
@@ -165,11 +183,11 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     if (memory == nullptr) memory = &own.emplace();
     if (directions.mu_in.empty() || directions.mu_out.empty() || directions.azimuth_deg.empty())
         return without_pairs(stack, directions.mu_in, light, options, *memory);
-    const RequestedDirections requested = collect_with_probes(directions);
+    const RequestedDirections requested = collect(directions.mu_in, directions.mu_out);
     const auto elements = std::size_t(light.shown() * light.shown());
     const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size() * elements;
     SolutionParts& kept = SolutionParts::of(*memory);
-    FourierOrders orders;  // of the solution before, with fewer nodes
+    FourierOrders orders;  // of the coarser solution before
     int nodes_before = 0;
     FirstOrderSum first_order(directions, options, light.components, light.shown());
     const Request request{stack, directions, requested, light, options};
@@ -182,7 +200,7 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     Solution& solution = solve_with_estimate(
         stack, options, values,
         [&](const Discretisation& discretisation, Solution& one) {
-            // One with fewer nodes owes nothing to those with more.
+            // A solution with fewer nodes takes over no orders of one with more.
             FourierOrders none;
             const bool is_finer = discretisation.streams >= nodes_before;
             if (is_finer) nodes_before = discretisation.streams;
@@ -215,6 +233,29 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
 }
 
 }  // namespace
+
+SolutionParts::AtStreams& SolutionParts::with_streams(int streams) {
+    constexpr int most = 64;
+    streams = std::min(streams, most + 1);
+    const auto found = std::find_if(by_streams.begin(), by_streams.end(),
+                                    [=](const auto& s) { return s->streams == streams; });
+    if (found != by_streams.end()) return **found;
+    by_streams.push_back(std::make_unique<AtStreams>());
+    by_streams.back()->streams = streams;
+    by_streams.back()->scaled.rough_boundaries = rough_boundaries;
+    return *by_streams.back();
+}
+
+SolutionMemory::SolutionMemory() : parts_(std::make_unique<SolutionParts>()) {}
+SolutionMemory::~SolutionMemory() = default;
+SolutionMemory::SolutionMemory(SolutionMemory&&) noexcept = default;
+SolutionMemory& SolutionMemory::operator=(SolutionMemory&&) noexcept = default;
+
+SolutionMemory memory_with(std::shared_ptr<RoughBoundaries> boundaries) {
+    SolutionMemory memory;
+    SolutionParts::of(memory).rough_boundaries = std::move(boundaries);
+    return memory;
+}
 
 ReflectionTable reflect(const Stack& stack, const Directions& directions,
                         const SolverOptions& options, SolutionMemory* memory,
@@ -254,7 +295,8 @@ LightComparison compare_light(const Stack& stack, const Directions& directions,
         MultipleScattering without = sum({}), with = sum({3, true});
         numbers.physical = without.physical && with.physical;
         if (!numbers.physical) return;
-        // Unpolarised light that nothing but particles meets shows no polarisation the first time.
+        // Light scattered once has the same R11 with and without polarisation unless it met a
+        // boundary or mirror before.
         const bool is_alike = !scaled.refracts() && !scaled.has_mirrors();
         std::vector<double> first(without.reflection.size(), 0.0);
         FirstOrderSum(directions, options).add_to(first, scaled);

@@ -1,4 +1,4 @@
-#include "rte/stack/requests.h"
+#include "rte/stack/layered_reflection.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 namespace miebrdf::rte {
 namespace {
 
-// Lists that were cut short are left as they are.
+// A list that was cut short (has_more_moments) has unknown moments behind it, not zeros.
 void pad_moments(Optics& optics) {
     if (!optics.polarisation || optics.has_more_moments) return;
     std::size_t count = optics.chi.size();
@@ -74,7 +74,6 @@ Stack with_all_moments(Stack stack) {
     return stack;
 }
 
-// Nothing scattered is taken for a beam here: with the optical depths as they are.
 void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
                               const SolvedLight& light, ScaledStack& exact,
                               std::vector<double>& reflectances) {

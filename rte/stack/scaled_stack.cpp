@@ -13,7 +13,8 @@ namespace miebrdf::rte {
 
 namespace {
 
-// Indices as boundaries see them: steps too small for one are none.
+// Indices from the top down; steps below kLeastIndexStep are removed, so that they have no
+// boundary.
 void find_indices(const Stack& stack, ScaledStack& scaled) {
     const bool is_on_coat = stack.base_kind != BaseKind::half_space && !stack.coats.empty();
     const double lowest = is_on_coat ? stack.coats.front().index : stack.base_index;
@@ -21,7 +22,7 @@ void find_indices(const Stack& stack, ScaledStack& scaled) {
     scaled.boundary = stack.boundary;
     scaled.ground_index = lowest;
     if (!stack.boundary) {
-        // A mirror is what it is to the medium above, boundaries or not.
+        // The reflectance of a mirror depends on its index relative to that of the medium above.
         scaled.mirror_index /= lowest;
         scaled.ground_index = scaled.top_index = 1.0;
         for (ScaledMedium& medium : scaled.media) medium.index = 1.0;
@@ -39,8 +40,8 @@ void find_indices(const Stack& stack, ScaledStack& scaled) {
     if (scaled.top_index == 1.0) scaled.boundary.reset();
 }
 
-// A layer without depth keeps its surfaces where media of other indices lie on both sides. On a
-// ground they are those of the ground.
+// A layer of depth 0 stays where its index differs from those of both neighbours: its two surfaces
+// reflect. (The ground has the index of the lowest layer.)
 void remove_layers_without_surfaces(ScaledStack& scaled) {
     std::vector<ScaledMedium>& media = scaled.media;
     for (std::size_t i = media.size(); i-- > 0;) {

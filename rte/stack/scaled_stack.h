@@ -1,4 +1,4 @@
-// How a stack is scaled for the discrete equations, and the nodes of each medium.
+// A stack scaled by delta-M for the discrete equations, and the nodes of each of its media.
 #pragma once
 
 #include <optional>
@@ -11,30 +11,29 @@
 
 namespace miebrdf::rte {
 
-/// delta-M for every medium; layers without depth are left out, but for those between media of
-/// other indices below a boundary, and so is everything below a coat of infinite depth.
-/// @param moments  as of scale_optics
+/// Scales every medium by delta-M. Left out are all layers below a coat of infinite depth, and
+/// layers of depth 0 unless their index differs from those of both neighbours below a boundary.
+/// @param moments  L of scale_optics
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m);
 /// @param scaled  overwritten; its memory is used again
 void scale_stack(const Stack& stack, int moments, bool delta_m, ScaledStack& scaled);
 
-/// The kind of base below the layers that are left, as scale_stack finds it.
+/// ScaledStack::base of the scaled stack.
 BaseKind lowest_kind(const Stack& stack);
 
-/// Nodes of all media of a stack: one grid, or one for each index (refraction_grid.h).
+/// Nodes of the media of a stack: one grid for all, or one for each index (refraction_grid.h).
 class StackGrids {
   public:
-    /// One for all.
     StackGrids(ZenithGrid grid);
     StackGrids(const ScaledStack& stack, GridKind kind, int count);
 
-    /// They are what these arguments give.
+    /// Whether the constructor would make the same grids of these arguments.
     bool fit(const ScaledStack& stack, GridKind kind, int count) const;
 
-    /// The nodes of light that enters and leaves.
+    /// The nodes in air, where light enters and leaves.
     const ZenithGrid& top() const { return grids_.front(); }
     const ZenithGrid& of(double index) const;
-    /// Index 1 first, where there are several.
+    /// Ascending, from 1 on.
     const std::vector<double>& indices() const { return indices_; }
     const RefractionGrid& refraction() const { return *refraction_; }
 
@@ -47,8 +46,8 @@ class StackGrids {
     std::optional<RefractionGrid> refraction_;
 };
 
-/// Finds narrow features of all degrees (ScaledMedium::narrow), which scale_stack leaves empty, and
-/// which of them these nodes resolve.
+/// Sets ScaledMedium::narrow, which scale_stack leaves empty, and the shares of these narrow
+/// features that the nodes do not resolve.
 void split_by_resolution(ScaledStack& stack, const StackGrids& grids);
 
 }  // namespace miebrdf::rte

@@ -1,4 +1,4 @@
-// Memory of solutions: what one stack leaves for the next.
+// SolutionMemory: matrices, grids and rough boundaries that one solution leaves for the next.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ struct SolutionParts {
         StackMemory memory = {};
         Eigen::VectorXd let_in = {}, let_out = {};
 
-        /// The nodes of `scaled`.
+        /// The grids of `scaled`, made anew where those of the stack before do not fit.
         const StackGrids& grids_for(const Discretisation& discretisation) {
             if (!grids || !grids->fit(scaled, discretisation.grid, discretisation.streams))
                 grids.emplace(scaled, discretisation.grid, discretisation.streams);
@@ -37,10 +37,11 @@ struct SolutionParts {
     std::vector<std::unique_ptr<AtStreams>> by_streams = {};
     RequestedDirections requested = {};
     std::vector<double> mu_in = {};  ///< of `requested`
-    ScaledStack exact = {};
+    ScaledStack exact = {};          ///< without delta-M
     Solutions solutions_of_albedo = {};
 
-    /// Beyond 64 nodes one takes the place of the other: 256 of them are 30 MB.
+    /// The memory of up to 64 nodes is kept by their number; all above share one, because that of
+    /// 256 nodes takes 30 MB.
     AtStreams& with_streams(int streams);
 };
 

@@ -14,16 +14,15 @@
 namespace miebrdf::rte {
 namespace {
 
-constexpr double kHalf = std::numbers::sqrt2 / 2.0;
-
-// From the axes of the meridian planes to I and Q: the first two rows and columns.
+// From light parallel and perpendicular to the meridian planes to I and Q, in rows and columns
+// 0, 1.
 void turn_back(Eigen::MatrixXd& pair) {
     const Eigen::MatrixXd rows = pair.topRows(2);
-    pair.row(0) = kHalf * (rows.row(0) + rows.row(1));
-    pair.row(1) = kHalf * (rows.row(0) - rows.row(1));
+    pair.row(0) = (rows.row(0) + rows.row(1)) / std::numbers::sqrt2;
+    pair.row(1) = (rows.row(0) - rows.row(1)) / std::numbers::sqrt2;
     const Eigen::MatrixXd columns = pair.leftCols(2);
-    pair.col(0) = kHalf * (columns.col(0) + columns.col(1));
-    pair.col(1) = kHalf * (columns.col(0) - columns.col(1));
+    pair.col(0) = (columns.col(0) + columns.col(1)) / std::numbers::sqrt2;
+    pair.col(1) = (columns.col(0) - columns.col(1)) / std::numbers::sqrt2;
 }
 
 }  // namespace
@@ -57,7 +56,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
     const std::size_t count = grids.indices().size();
     memory_.requested.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
-        // No beam enters through a rough boundary: what lies below is met from its nodes alone.
+        // No beam enters through a rough boundary: light below it is known at the nodes alone.
         RequestedDirections& own = memory_.requested[k];
         if (is_rough) {
             own = {};
@@ -84,7 +83,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
         strengths_.push_back(matrix_strengths(medium));
         couples_V_ = couples_V_ || strengths_.back().has_b2();
     }
-    // Total reflection and metals turn U into V, whatever the media do.
+    // Total reflection and metals turn U into V even where media do not (b2 = 0).
     couples_V_ = couples_V_ || (components == 4 && has_fresnel_);
     for (std::size_t k = 0; k < count; ++k) {
         Rows& all = rows_.emplace_back();
@@ -163,7 +162,7 @@ void StackSolver::solve_block(const StokesBlock& block, const Eigen::VectorXd* l
         if (next != index) put_on_boundary(index, next, ReflectorParts::nodes);
         index = next;
         if (!reflector_->physical) break;
-        if (stack_.media[c].scaled_optical_depth == 0.0) continue;  // its surfaces are all it has
+        if (stack_.media[c].scaled_optical_depth == 0.0) continue;  // two surfaces, nothing between
         put_on_coat(c, is_top ? parts : ReflectorParts::nodes);
         has_sky = has_boundary || (is_top && options_.coat_method == CoatMethod::automatic);
     }
@@ -187,7 +186,7 @@ void StackSolver::tell(StackStep step) const {
     if (follower_ != nullptr && step.result->physical) follower_->follow(step);
 }
 
-// A sky looks down with what light from there counts on its way out: reciprocity.
+// By reciprocity the flux weighted by let_out is the response to a sky whose radiance is let_out.
 void StackSolver::find_skies(const Eigen::VectorXd* let_in, const Eigen::VectorXd* let_out) {
     const ZenithGrid& nodes = grids_.top();
     Eigen::VectorXd& D = memory_.uniform;
@@ -212,7 +211,7 @@ bool StackSolver::is_coupled() const {
     return block_->size() > 1 && block_->back() == StokesComponent::V;
 }
 
-// The next solution goes here, not on what has been solved so far.
+// The one of the two reflectors of this index that does not hold the layers solved so far.
 Reflector& StackSolver::free_reflector(double index) {
     auto& [one, other] = memory_.reflectors[place_of(index)];
     return reflector_ == &one ? other : one;
@@ -236,8 +235,7 @@ const RequestedDirections& StackSolver::requested_in(double index) const {
                             : rows_[place_of(index)].requested[block_->size()];
 }
 
-// The solvers answer with upward light for downward light whose U and V have the opposite sign:
-// R = X D4.
+// The solvers' X counts U and V of downward light with the opposite sign: R = X D4.
 void StackSolver::keep_pairs() {
     if (components_ == 1) {
         memory_.order.multiple.swap(reflector_->multiple);
@@ -268,7 +266,7 @@ void StackSolver::spread_block(const Eigen::MatrixXd& solved, Eigen::MatrixXd& a
     }
 }
 
-// 2 sum_q w_q mu_q R(mu, mu_q) = (2 R D) D, by reciprocity from the light under a uniform sky.
+// The plane albedo 2 sum_q w_q mu_q R(mu, mu_q) is by reciprocity the response to a uniform sky.
 void StackSolver::keep_albedos() {
     StackOrder& order = memory_.order;
     const auto c = Eigen::Index(block_->size());
@@ -294,7 +292,7 @@ void StackSolver::keep_albedos() {
                                                along(Q, reflector_->sky_at_requested, in));
     }
     const Eigen::VectorXd &D = memory_.uniform, &let_in = memory_.let_in;
-    const double entering = let_in.dot(D);  // 0: the surface above is a mirror
+    const double entering = let_in.dot(D);  // 0 where the surface above lets no light in
     order.spherical_albedo = entering > 0.0 ? let_in.dot(reflector_->sky_at_nodes) / entering : 0.0;
     if (!stack_.transmits) return;
     const double absorbed = 1.0 - stack_.ground_albedo;

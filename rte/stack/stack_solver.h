@@ -1,5 +1,5 @@
-// A stack of media in one Fourier order after the other, for light as numbers or as Stokes vectors,
-// and the memory that takes.
+// StackSolver: the reflection of a stack of media, one Fourier order after the other, by light with
+// 1, 3 or 4 Stokes components; and the memory that it uses.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@ namespace miebrdf::rte {
 
 class RoughTop;
 
-/// A boundary at the cosines where it was last needed.
+/// A boundary, and the cosines for which it was made.
 struct KnownBoundary {
     SmoothBoundary boundary;
     Eigen::VectorXd nodes, requested;  ///< of the medium below
@@ -30,16 +30,17 @@ struct KnownBoundary {
 /// One Fourier order of the reflection between requested cosines, by light with c components.
 struct StackOrder {
     /// R^m of light scattered more than once, row = out * c + component, column = in * c +
-    /// component. Of the four blocks (I, Q) and (U, V) those on the diagonal belong to cos(m
-    /// azimuth), the lower left one to sin(m azimuth), the upper right one to -sin(m azimuth).
+    /// component. The blocks (I, Q) x (I, Q) and (U, V) x (U, V) are the factors of cos(m azimuth),
+    /// the block (U, V) x (I, Q) of sin(m azimuth), the block (I, Q) x (U, V) of -sin(m azimuth).
     Eigen::MatrixXd multiple;
-    /// The rest is of order 0. At the incident cosines: the reflected share of the flux of
-    /// unpolarised light, mirrors included, and what it changes by if the light is fully polarised
+    // The albedos and the transmittance are set in order 0 alone.
+    /// At the incident cosines: the share of the incident flux that is reflected, mirrors included,
+    /// for unpolarised light; and the amount that this share changes by for light fully polarised
     /// parallel to the plane of incidence.
     std::vector<double> plane_albedo, polarised_plane_albedo;
     double spherical_albedo = 0.0;  ///< of uniform unpolarised light
-    /// ScaledStack::transmits adds the net flux into the ground, at the incident cosines and then
-    /// of uniform light.
+    /// Where ScaledStack::transmits: the net flux into the ground, for light from each incident
+    /// cosine, then for uniform light.
     std::vector<double> transmittance;
     int iterations = 0;
     double residual = 0.0;
@@ -49,55 +50,56 @@ struct StackOrder {
     void clear();
 };
 
-/// All matrices and tables that a stack takes, for one Fourier order, one number of nodes and one
-/// stack after the other. Wavelengths solved in the same memory save 15 % of the time at 16 nodes
-/// and 14 % at 32: tables, and pages that every new memory takes from the system (31 coated
-/// half-spaces, 100 pairs of directions). Results are the same to the last bit. At n nodes and c
-/// components about 25 matrices of c n rows: 1.8 MB for n = 32, c = 3. Not thread-safe.
+/// The matrices and tables of StackSolver, used again for the next Fourier order and the next
+/// stack. Solving many wavelengths in the same memory saves 15 % of the time at 16 nodes and 14 %
+/// at 32, because tables stay and the system gives no new pages (31 coated half-spaces, 100 pairs
+/// of directions). Results are the same to the last bit. At n nodes and c components these are
+/// about 25 matrices of c n rows: 1.8 MB for n = 32, c = 3. Not thread-safe.
 struct StackMemory {
-    // Tables of numbers and of Stokes vectors, by index; of the order that is being solved.
+    // Tables of the present order for 1 component and for more, by refractive index.
     std::vector<FourierModes> tables = {};
     std::vector<const FourierMode*> modes = {};
     std::vector<StokesTables> stokes_tables = {};
-    FourierMode stokes_mode = {};  ///< of the block and medium that are being solved
-    FourierMedium medium = {};     ///< that is being solved
+    FourierMode stokes_mode = {};  ///< of the present block and medium
+    FourierMedium medium = {};     ///< the present one
     FourierWork work = {};
     CoupledWork coupled = {};
     LayerOperator layer = {};
     GroundOrders ground = {};
-    /// Two in each medium, by index: what has been solved so far, and what comes next. Sizes differ
-    /// from index to index.
+    /// Two for each refractive index (sizes differ from index to index): the layers solved so far,
+    /// and the same with the next step on top.
     std::vector<std::array<Reflector, 2>> reflectors = {};
-    std::vector<RequestedDirections> requested = {};  ///< by index
+    std::vector<RequestedDirections> requested = {};  ///< by refractive index
     std::vector<KnownBoundary> boundaries = {};
-    std::vector<double> brightness = {};  ///< of order 0, of media solved as half-spaces
-    /// Row by row at the nodes in air: downward radiance of the sky, weights of what enters, and
-    /// uniform light.
+    std::vector<double> brightness = {};  ///< of half-spaces in order 0, by medium
+    /// At the rows of the nodes in air: downward radiance of the sky, weights of the light that
+    /// enters, and uniform light.
     Eigen::VectorXd sky = {}, let_in = {}, uniform = {};
     StackOrder order = {};
 };
 
-/// What StackSolver has just solved; all of it is valid during the call.
+/// One step of StackSolver, with its result; pointers are valid during the call.
 struct StackStep {
-    /// `mirrors`: of an order in which nothing is scattered; `whole`: the block is complete.
+    /// `mirrors`: all layers below a rough boundary, in an order in which nothing is scattered;
+    /// `whole`: the block is complete.
     enum class Kind { half_space, ground, mirrors, layer, boundary, rough_top, whole };
     Kind kind;
     const Reflector* result;
-    const Reflector* below = nullptr;           ///< what it was put on
+    const Reflector* below = nullptr;           ///< the layers that the step was put on
     std::size_t medium = 0;                     ///< of a half-space or layer
-    const FourierMode* mode = nullptr;          ///< of these and the ground
+    const FourierMode* mode = nullptr;          ///< of a half-space, layer or ground
     const FourierMedium* scattering = nullptr;  ///< of a half-space or layer
-    const ZenithGrid* grid = nullptr;           ///< by rows, of the medium
-    const RequestedDirections* requested =
-        nullptr;  ///< likewise; of boundaries in the medium below
+    const ZenithGrid* grid = nullptr;           ///< rows of the nodes in the medium
+    /// Rows of the requested cosines in the medium; of a boundary in the medium below.
+    const RequestedDirections* requested = nullptr;
     const LayerOperator* layer = nullptr;
     const SmoothBoundary* boundary = nullptr;
     const RoughTop* rough = nullptr;
     EigenmodeSolver* eigenmodes = nullptr;  ///< of a half-space or layer
-    bool has_eigenmodes = true;             ///< false: they have not been found
+    bool has_eigenmodes = true;             ///< false: a half-space solved without them
 };
 
-/// Sees the steps from the bottom up.
+/// Is called after each step, from the bottom up.
 class StackFollower {
   public:
     virtual void follow(const StackStep& step) = 0;
@@ -106,60 +108,63 @@ class StackFollower {
     ~StackFollower() = default;
 };
 
-/// Solves the base and puts the coats and boundaries on it. Light as a number is the block
-/// of one row; of Stokes vectors a Fourier order falls into blocks of components that do not mix
-/// (stokes_blocks), and the same solvers take rows of these. Not thread-safe.
+/// Solves the base and puts coats and boundaries on it. A Fourier order of Stokes vectors falls
+/// into blocks of components that do not mix (stokes_blocks), each solved with as many rows for a
+/// node; unpolarised light (one component) is the case of one block with one row. Not thread-safe.
 class StackSolver {
   public:
     /// The arguments must outlive this.
     /// @param stack       with 3 or 4 components its boundaries are smooth
     /// @param requested   in air
-    /// @param components  1: light as a number; 3: (I, Q, U); 4: with V
+    /// @param components  1: unpolarised light; 3: (I, Q, U); 4: (I, Q, U, V)
     StackSolver(const ScaledStack& stack, const StackGrids& grids,
                 const RequestedDirections& requested, int components, const SolverOptions& options,
                 StackMemory& memory);
     ~StackSolver();
 
-    /// That there are: one for each moment, and more where a rough boundary lies over mirrors,
-    /// which have an azimuthal series of their own.
+    /// The number of Fourier orders: one for each moment, and more where a rough boundary lies over
+    /// mirrors, because light that returns unscattered has a longer series.
     int fourier_orders() const;
-    /// A rough boundary's own orders, of light that comes back unscattered, are among them.
+    /// Whether orders of light that returns unscattered through a rough boundary are among them.
     bool has_boundary_orders() const { return unscattered_.size() > 0; }
 
-    /// The whole stack, boundary included; in order 0 with its albedos.
+    /// Solves the whole stack with its boundary; in order 0 with albedos.
     /// @return valid until the next call
     const StackOrder& solve(int fourier_order);
-    /// Order 0 of I (and Q) alone: all that albedos need. `plane_albedo` is the flux under the
-    /// weights `let_out`, `spherical_albedo` is of light that enters by `let_in`.
+    /// Solves order 0 of I (and Q), which is enough for albedos. `plane_albedo` is the flux
+    /// weighted by `let_out`, `spherical_albedo` that of light which enters weighted by `let_in`.
     /// @param let_in, let_out  at the nodes of StackGrids::top, times flux_weights
     const StackOrder& solve_albedos(const Eigen::VectorXd& let_in, const Eigen::VectorXd& let_out);
 
-    /// Light as a number, or blocks that do not couple V: all is symmetric, and steps can be seen.
+    /// Calls the follower after each step; blocks that couple V (unsymmetric equations) call it at
+    /// the end alone.
     void let_follow(StackFollower& follower) { follower_ = &follower; }
-    /// StackOrder::multiple from that of the block which is being solved.
+    /// Writes R^m of the present block into StackOrder::multiple of all components.
     void spread_block(const Eigen::MatrixXd& solved, Eigen::MatrixXd& all) const;
     const StokesBlock& block() const { return *block_; }
 
   private:
-    /// Nodes and requested cosines of a medium, by the rows of a node.
+    /// Nodes and requested cosines of a medium, repeated; by the number of rows of a node.
     struct Rows {
         std::array<ZenithGrid, 5> grids;
         std::array<RequestedDirections, 5> requested;
     };
 
     void start(int fourier_order);
-    /// @param let_in, let_out  null: all of it is let in and out
+    /// @param let_in, let_out  null: weights of 1
     void solve_block(const StokesBlock& block, const Eigen::VectorXd* let_in = nullptr,
                      const Eigen::VectorXd* let_out = nullptr);
     void find_skies(const Eigen::VectorXd* let_in, const Eigen::VectorXd* let_out);
     void spread_over_rows(const Eigen::VectorXd& at_nodes, Eigen::VectorXd& rows) const;
-    /// Solves what lies below the first coat to be put on, whose index is returned: the base, or a
-    /// coat so deep for this order that it is a half-space itself.
+    /// Solves the base, or the topmost coat that is a half-space in this order, because it hides
+    /// the layers below.
+    /// @return the place of the next coat in ScaledStack::media
     std::size_t solve_lowest();
-    /// All of what lies below a rough boundary, where nothing is scattered.
+    /// Sets the reflection of all layers below a rough boundary in an order in which none scatters.
+    /// @return the number of media: no coat is left
     std::size_t solve_mirrors();
     void solve_base();
-    /// After set_medium.
+    /// @param medium  that set_medium has set
     void solve_as_half_space(HalfSpaceMethod method, std::size_t medium);
     void solve_ground();
     void find_ground_emission(const FourierMode& mode, const ZenithGrid& grid,
@@ -170,14 +175,15 @@ class StackSolver {
     void put_on_top(ReflectorParts parts);
     const SmoothBoundary& boundary_between(double below, double above);
     Eigen::VectorXd mirror_at(double index, const Eigen::VectorXd& mu) const;
-    /// Degrees that a medium has no moments for scatter nothing.
+    /// Sets memory_.medium; degrees for which the medium has no moments scatter nothing.
     void set_medium(std::size_t medium);
     void keep_pairs();
     void tell(StackStep step) const;
     void keep_albedos();
-    /// Every method is the default: the paper's treat each coat and base as it is.
+    /// False where transmittance is wanted, or a method of the paper, which treats every layer.
     bool may_leave_out_layers() const;
-    /// Total reflection, metals or b2 make the equations of the block unsymmetric.
+    /// Whether V is coupled to U (by total reflection, metals or b2), which makes the equations of
+    /// the present block unsymmetric.
     bool is_coupled() const;
 
     Reflector& free_reflector(double index);
@@ -186,7 +192,8 @@ class StackSolver {
     const StokesTables& stokes_tables_of(double index) const {
         return memory_.stokes_tables[place_of(index)];
     }
-    /// Nodes and requested cosines, each as often as the block has rows, or once.
+    /// Nodes and requested cosines: grid_of and requested_in repeat each as often as the block has
+    /// rows, nodes_of and cosines_in have each once.
     const ZenithGrid& grid_of(double index) const;
     const ZenithGrid& nodes_of(double index) const { return grids_.of(index); }
     const RequestedDirections& requested_in(double index) const;
@@ -200,17 +207,19 @@ class StackSolver {
     const SolverOptions& options_;
     const int components_;
     double tolerance_;  ///< of the equations of one order
-    /// Boundaries or mirrors: rows of Stokes vectors along the axes of the meridian planes.
+    /// There are boundaries or mirrors: the rows of Stokes vectors are then parallel and
+    /// perpendicular to the meridian plane in place of I and Q.
     const bool has_fresnel_;
     bool couples_V_ = false;                  ///< b2, or boundaries and mirrors
     std::vector<MatrixStrengths> strengths_;  ///< of the media, for Stokes vectors
     std::vector<Rows> rows_;                  ///< by index, for Stokes vectors
     std::unique_ptr<RoughTop> rough_top_;
-    Eigen::VectorXd unscattered_;  ///< of the nodes below a rough boundary over mirrors
+    /// Share of light that returns to a node below a rough boundary unscattered from mirrors.
+    Eigen::VectorXd unscattered_;
     StackMemory& memory_;
     int fourier_order_ = 0;
-    const StokesBlock* block_ = nullptr;  ///< that is being solved
-    Reflector* reflector_ = nullptr;      ///< of all that has been solved so far in this order
+    const StokesBlock* block_ = nullptr;  ///< the present one
+    Reflector* reflector_ = nullptr;      ///< of the layers solved so far in this order
     StackFollower* follower_ = nullptr;
 };
 

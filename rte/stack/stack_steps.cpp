@@ -108,7 +108,7 @@ std::size_t StackSolver::solve_lowest() {
     const double allowed = tolerance_ * std::min(stack_.brightness, 1.0);
     for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
         const double depth = stack_.media[c].scaled_optical_depth;
-        if (!hides_in_fourier_order({}, depth, allowed)) continue;  // whatever it scatters
+        if (!hides_in_fourier_order({}, depth, allowed)) continue;  // even if it scatters nothing
         set_medium(c);
         if (!hides_in_fourier_order(memory_.medium, depth, allowed)) continue;
         solve_as_half_space(HalfSpaceMethod::automatic, c);
@@ -208,10 +208,10 @@ void StackSolver::find_ground_emission(const FourierMode& mode, const ZenithGrid
     mode.keep_intensity(ground.transmittance_at_nodes);
     ground.transmittance_at_requested.setOnes(requested.mu.size());
     mode.keep_intensity(ground.transmittance_at_requested);
-    if (stack_.ground) {  // what it does not reflect is absorbed
+    if (stack_.ground) {  // 1 - reflected: absorbed
         ground.transmittance_at_requested -= ground.rows * ground.transmittance_at_nodes;
         ground.transmittance_at_nodes -= ground.nodes * ground.transmittance_at_nodes;
-    } else if (stack_.base == BaseKind::mirror) {  // what it does not reflect passes it
+    } else if (stack_.base == BaseKind::mirror) {  // 1 - reflected: transmitted
         ground.transmittance_at_nodes -= ground.nodes * ground.transmittance_at_nodes;
         ground.transmittance_at_requested -=
             ground.specular.cwiseProduct(ground.transmittance_at_requested);

@@ -6,13 +6,12 @@
 #include "rte/grid/discretisation.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/layered_reflection.h"
-#include "rte/stack/requests.h"
 #include "rte/stack/solution_memory.h"
 
 namespace miebrdf::rte {
 namespace {
 
-/// MirroredLobe at all pairs of cosines.
+/// Adds the Fourier orders of MirroredLobe between all cosines.
 void add_mirrored_orders(const Eigen::VectorXd& mu, TabulatedOrders& table) {
     std::vector<Eigen::MatrixXd> lobe = mirrored_lobe_orders(mu, table.stack);
     table.orders.resize(std::max(table.orders.size(), lobe.size()));
@@ -43,7 +42,7 @@ TabulatedOrders tabulate_orders(const Stack& asked_stack, const std::vector<doub
     StackMemory memory;
     MultipleScattering multiple = sum_fourier_orders(table.stack, grids, requested, {}, light,
                                                      kFourierTailShare * options.tolerance, options,
-                                                     memory, {}, KeptOrders::asked_for);
+                                                     memory, {}, KeptOrders::for_table);
     table.orders = std::move(multiple.by_fourier_order);
     table.converged = multiple.converged;
     table.physical = multiple.physical;

@@ -29,9 +29,9 @@ std::vector<std::size_t> scattering_media(const ScaledStack& stack) {
     return list;
 }
 
-/// Upward light of one Fourier order on top of what has been solved, for a beam from below in each
-/// requested direction, columns: with U = 2 D T at the nodes, T between requested cosines, and the
-/// share e of the beam that is left.
+/// Upward light of one Fourier order on top of the layers solved so far, for a beam from below in
+/// each requested direction (columns): U = 2 D T at the nodes, T between requested cosines, and the
+/// unscattered share of the beam.
 class Emission final : public StackFollower {
   public:
     void follow(const StackStep& step) override {
@@ -51,7 +51,7 @@ class Emission final : public StackFollower {
         pairs_.setZero(count, count);
     }
 
-    // up = U + X down, down = X_c up + what the layer sends back of the beams.
+    // up = U + X down, down = X_c up + light of the beams that the layer scatters back.
     void pass_layer(const StackStep& step) {
         const LayerOperator& layer = *step.layer;
         const Reflector& below = *step.below;
@@ -69,7 +69,8 @@ class Emission final : public StackFollower {
         pairs_ = direct.asDiagonal() * pairs_;
         pairs_ += layer.transmitted_multiple * beam_.asDiagonal() + 0.5 * (passed * up);
         pairs_ += 0.5 * (direct.asDiagonal() * (below.rows.topRows(count) * down));
-        if (below.specular.size() > 0) {  // a mirror below returns what the layer sends back
+        if (below.specular.size() >
+            0) {  // a mirror below reflects light that the layer has scattered
             const Eigen::VectorXd returned = direct.cwiseProduct(below.specular.head(count));
             pairs_ += returned.asDiagonal() *
                       (layer.multiple * beam_.asDiagonal() + 0.5 * (reflected * up));
@@ -79,7 +80,7 @@ class Emission final : public StackFollower {
         beam_ = beam_.cwiseProduct(direct).eval();
     }
 
-    // Beams and diffuse light come back from the boundary and from what lies below it.
+    // Beams and diffuse light are reflected between the boundary and the layers below it.
     void pass_boundary(const StackStep& step) {
         const SmoothBoundary& boundary = *step.boundary;
         const Reflector& below = *step.below;

@@ -169,7 +169,6 @@ RequestedDirections repeated(const RequestedDirections& requested, int rows_per_
     };
     repeat(requested.out, result.out);
     repeat(requested.in, result.in);
-    result.probes = requested.probes * std::size_t(rows_per_node);
     for (const int beside : requested.beside)
         for (int k = 0; k < rows_per_node; ++k)
             result.beside.push_back(beside < 0 ? -1 : beside * rows_per_node + k);

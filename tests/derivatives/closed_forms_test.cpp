@@ -9,7 +9,7 @@
 
 #include "rte/derivatives/frozen_stack.h"
 #include "rte/derivatives/stack_derivatives.h"
-#include "rte/stack/requests.h"
+#include "rte/stack/layered_reflection.h"
 #include "tests/support/catch.h"
 
 using namespace miebrdf;
