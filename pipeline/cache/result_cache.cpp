@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <limits>
 #include <system_error>
 
 #include <miebrdf/database.h>
@@ -66,6 +67,7 @@ struct ResultCache::Database {
         connection.execute(kSchema);
     }
     Connection connection;
+    std::int64_t stored_bytes = std::numeric_limits<std::int64_t>::max();  ///< since the last sum
 };
 
 fs::path ResultCache::default_file() {
@@ -148,7 +150,16 @@ void ResultCache::store(const std::string& hash, std::span<const double> numbers
             .bind(checksum_of(hash, bytes))
             .bind(now_s())
             .run();
+        // The sum of sizes reads an entry of the index for each result (1 ms for 50,000): it is
+        // taken at the first one that is stored, and again after each of so many parts of the
+        // limit.
+        constexpr std::int64_t kPartsOfLimit = 64;
+        if (database_->stored_bytes < limit_bytes_ / kPartsOfLimit) {
+            database_->stored_bytes += static_cast<std::int64_t>(bytes.size());
+            return;
+        }
         forget_oldest();
+        database_->stored_bytes = 0;
     } catch (const materials::DamagedDatabase&) {
         start_again();
     } catch (const std::exception&) {

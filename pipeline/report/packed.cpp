@@ -88,7 +88,7 @@ nlohmann::json PageBytes::add(const LowRank& table) {
             {"unit", add(std::span<const double>(units))}};
 }
 
-std::string PageBytes::compressed(const nlohmann::json& root) const {
+std::string PageBytes::compressed(const nlohmann::json& root, int level) const {
     std::string text = root.dump();
     text.append((4 - text.size() % 4) % 4, ' ');
     std::vector<unsigned char> all(4 + text.size() + bytes_.size());
@@ -97,7 +97,7 @@ std::string PageBytes::compressed(const nlohmann::json& root) const {
     std::copy(bytes_.begin(), bytes_.end(), all.begin() + 4 + std::ptrdiff_t(text.size()));
     uLongf size = compressBound(static_cast<uLong>(all.size()));
     std::vector<unsigned char> packed(size);
-    if (compress2(packed.data(), &size, all.data(), static_cast<uLong>(all.size()), 9) != Z_OK)
+    if (compress2(packed.data(), &size, all.data(), static_cast<uLong>(all.size()), level) != Z_OK)
         throw std::runtime_error("zlib cannot compress the page's numbers");
     packed.resize(size);
     return base64({reinterpret_cast<const char*>(packed.data()), packed.size()});

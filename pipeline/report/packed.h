@@ -27,7 +27,8 @@ class PageBytes {
 
     /// In base64, compressed by zlib: the length of the JSON text in four bytes, low first; the
     /// text; spaces up to a multiple of four; the arrays.
-    std::string compressed(const nlohmann::json& root) const;
+    /// @param level  of zlib, 1 (quick) to 9 (small)
+    std::string compressed(const nlohmann::json& root, int level = 9) const;
 
   private:
     std::vector<unsigned char> bytes_;

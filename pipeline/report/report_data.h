@@ -47,9 +47,14 @@ struct ReportData {  // NOLINT(bugprone-exception-escape): moving JSON does not 
 /// A whole scene without sizes and amounts: "Au (optical depth 0.5) on TiO2".
 std::string label_of(Scene scene);
 
+/// A preview is within about 3e-2 of the largest value at an incidence, without an estimate of its
+/// error, without glories, and without "facts", "omissions" and "media".
+enum class PageDetail { whole, preview };
+
 /// Solves every variant and collects what the page shows.
 /// @throws UsageError, InputError, Cancelled  as solve() and Brdf::table()
-ReportData collect(const std::vector<ReportScene>& scenes, const Control& control);
+ReportData collect(const std::vector<ReportScene>& scenes, const Control& control,
+                   PageDetail detail = PageDetail::whole);
 
 /// How spectra at these wavelengths become colours under each illuminant; null where the
 /// wavelengths do not cover the visible.

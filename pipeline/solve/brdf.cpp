@@ -173,7 +173,7 @@ Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
     validate_wavelengths(wavelength_nm);
     rte::validate(options);
     NamedIndexMemo* const names = control.memo != nullptr ? &control.memo->names() : nullptr;
-    BrdfState state{scene, resolve(scene, wavelength_nm, names), options, control};
+    BrdfState state{scene, resolve(scene, wavelength_nm, names), options, control, 0};
     if (state.control.memo == nullptr) state.control.memo = make_optics_memo();
     return BrdfState::brdf_with(std::move(state));
 }
@@ -211,8 +211,8 @@ BrdfTable Brdf::table(const TableOptions& options) const {
             fmt::format("Brdf::table of '{}', {} to {} nm, tolerance {}", title,
                         wavelength_nm().front(), wavelength_nm().back(), solver.tolerance);
     }
-    return BrdfTable(
-        std::make_shared<const SolvedTable>(resolved, title, solver, told, state_->control));
+    return BrdfTable(std::make_shared<const SolvedTable>(resolved, title, solver, told,
+                                                         state_->control, state_->unchecked_nodes));
 }
 
 ResultReport Brdf::report() const {

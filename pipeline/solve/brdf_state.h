@@ -22,6 +22,9 @@ struct BrdfState {
     ResolvedScene resolved;
     SolverOptions solver;
     Control control;  ///< its memo is never null
+    /// Above 0: tables are solved once, with so many nodes, without an estimate of their error and
+    /// without glories: previews.
+    int unchecked_nodes = 0;
 };
 
 /// Indices of all the wavelengths of a scene.

@@ -83,13 +83,14 @@ CompactTable::CompactTable(std::span<const BrdfTable> tables, const CompactOptio
     const SolvedTable& first = *solved.front();
     if (first.scene.surface && first.part != BrdfPart::subsurface) add_surface(solved);
     if (first.scene.boundary) add_boundary(solved);
-    add_single_scattering(solved, options.tolerance, control);
+    add_single_scattering(solved, options, control);
     single_rows_.set(single_scattering_);
     std::vector<int> sizes = {17, 25, 33, 41, int(kCosines)};
     if (options.cosines != 0) sizes = {options.cosines};
     for (const int cosines : sizes) {
         add_multiple(solved, cosines, options, control);
         multiple_rows_.set(multiple_);
+        if (!options.is_measured) return;
         error_ = measure(tables);
         if (error_ <= options.tolerance) return;
     }

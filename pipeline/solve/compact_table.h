@@ -20,6 +20,10 @@ struct CompactOptions {
     double tolerance = 8e-4;
     int cosines = 0;  ///< of either direction, 6 to 49; 0: as few as the tolerance needs
     int orders = 0;   ///< at most so many azimuthal orders; 0: as many as the tolerance needs
+    /// Nodes for light scattered once: the finest angles, 2^k + 1 of them (1025: 0.0004
+    /// degrees apart at 0 and 180, 0.28 in the middle), and slants, 6 or more.
+    int angles = 1025, slants = 33;
+    bool is_measured = true;  ///< else nothing is known of the interpolation error
 };
 
 /// The low-rank encoding of a BrdfTable, a hundredth of its size.
@@ -33,8 +37,7 @@ class CompactTable {
   public:
     /// Nodes of functions of one cosine.
     static constexpr std::size_t kCosines = 49;
-    /// Nodes of log q, from q = kFirstQ to kLastQ, where more than one layer makes it matter.
-    static constexpr int kSlants = 33;
+    /// Of log q, where more than one layer makes it matter.
     static constexpr double kFirstQ = 2.0, kLastQ = 2000.0;
 
     /// A function of a cosine at each wavelength: row = wavelength, column = node.
@@ -111,7 +114,8 @@ class CompactTable {
     // make_compact_table.cpp
     void add_surface(const Tables& tables);
     void add_boundary(const Tables& tables);
-    void add_single_scattering(const Tables& tables, double tolerance, const Control& control);
+    void add_single_scattering(const Tables& tables, const CompactOptions& options,
+                               const Control& control);
     void add_multiple(const Tables& tables, int cosines, const CompactOptions& options,
                       const Control& control);
     /// @param series  [wavelength][pair], (mu_in + mu_out) times the coefficients

@@ -80,17 +80,28 @@ LayerSlice black(const LayerRequest& request) {
 
 /// Plane and spherical albedos, of the light that the surface lets in and out if that is asked.
 rte::AlbedoTable solve_albedo(const rte::Stack& stack, const LayerRequest& request,
-                              const SolverOptions& solver, std::size_t w,
+                              const SolverOptions& solver, std::size_t w, const Control& control,
                               rte::SolutionMemory& memory) {
     const std::vector<double>& mu_in = request.directions.mu_in;
     if (request.quantity == LayerQuantity::albedo)
         return rte::albedo(stack, mu_in, solver, {}, &memory);
     const ResolvedScene& scene = request.scene;
-    const rte::SurfaceLobe lobe(scene.surface_index[w], *scene.surface);
-    const rte::SurfaceTransmission transmission(lobe, scene.coupling);
-    return rte::albedo(
-        stack, mu_in, solver, [&transmission](double mu) { return transmission.weights(mu); },
-        &memory);
+    Control remembering = control;  // an integral at each node
+    remembering.cache = {};         // but many of them
+    std::optional<rte::SurfaceTransmission> transmission;
+    const auto weights = [&](double mu) -> rte::SurfaceWeights {
+        JobKey key("surface at a cosine");
+        add_surface(key, scene, w);
+        const std::vector<double> known = remembered_numbers(remembering, key.add(mu).hash(), [&] {
+            if (!transmission)
+                transmission.emplace(rte::SurfaceLobe(scene.surface_index[w], *scene.surface),
+                                     scene.coupling);
+            const auto [in, out] = transmission->weights(mu);
+            return std::vector<double>{in, out};
+        });
+        return {known[0], known[1]};
+    };
+    return rte::albedo(stack, mu_in, solver, weights, &memory);
 }
 
 /// Layers reflect no more than they get, and not less than nothing: an albedo beyond by the
@@ -160,12 +171,12 @@ double solve_reflection(const LayerRequest& request, const SceneOptics& optics, 
 }
 
 double solve_albedos(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
-                     int components, const SolverOptions& solver, rte::SolutionMemory& memory,
-                     LayerSlice& slice) {
+                     int components, const SolverOptions& solver, const Control& control,
+                     rte::SolutionMemory& memory, LayerSlice& slice) {
     rte::AlbedoTable table =
         components > 1
             ? rte::polarised_albedo(optics.stack, request.directions.mu_in, solver, &memory)
-            : solve_albedo(optics.stack, request, solver, w, memory);
+            : solve_albedo(optics.stack, request, solver, w, control, memory);
     slice.values = std::move(table.plane_albedo);
     slice.values.push_back(table.spherical_albedo);
     remove_rounding(slice.values);
@@ -182,7 +193,7 @@ double solve_albedos(const LayerRequest& request, const SceneOptics& optics, std
 }
 
 LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
-                 const OpticsDemand& demand, const LightChoice& light, const mie::Executor& run,
+                 const OpticsDemand& demand, const LightChoice& light, const Control& control,
                  rte::SolutionMemory& memory) {
     const rte::Stack& stack = optics.stack;
     const bool returns_nothing =
@@ -199,9 +210,9 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     slice.report.optical_depths = optics.optical_depths;
     const double with_transfer =
         is_reflection(request.quantity)
-            ? solve_reflection(request, optics, w, demand, light.components, solver, run, memory,
-                               slice)
-            : solve_albedos(request, optics, w, light.components, solver, memory, slice);
+            ? solve_reflection(request, optics, w, demand, light.components, solver,
+                               pieces_of_job(control), memory, slice)
+            : solve_albedos(request, optics, w, light.components, solver, control, memory, slice);
     judge(slice.report, with_transfer, optics.mie_error_estimate, tolerance);
     state_light(light, slice.report);
     refuse_lost_values(slice);
@@ -383,8 +394,8 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
         run_parallel("radiative transfer", places.size(), control, [&](std::size_t i) {
             const LayerJob& job = jobs[places[i]];
             LayerSlice& slice = solved[places[i]];
-            slice = solve(reduced, optics[i], job.wavelength, own, light[places[i]],
-                          pieces_of_job(control), memories.local());
+            slice = solve(reduced, optics[i], job.wavelength, own, light[places[i]], control,
+                          memories.local());
             wants_more[i] = own.highest_moment < demand.highest_moment &&
                             lacks_moments(request, own, slice.report, optics[i].stack);
             if (control.cache != nullptr && !wants_more[i])

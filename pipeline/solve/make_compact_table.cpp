@@ -32,9 +32,6 @@ constexpr double kMirrorAlpha = 0.02;
 constexpr int kMostSingleOrders = 48;
 /// So many azimuths in half a turn resolve them; what is beyond comes back from order 80 on.
 constexpr int kSamples = 64;
-/// Scattering angles of the table of light scattered once, the finest: 0.0004 degrees apart at 0
-/// and 180, 0.28 in the middle.
-constexpr int kMostAngles = 1025;
 
 CompactTable::Lobe lobe_of(const rte::SurfaceOptions& options,
                            const std::vector<std::complex<double>>& index) {
@@ -204,8 +201,9 @@ void CompactTable::add_boundary(const Tables& tables) {
             tables, [](const SolvedWavelength& at, double mu) { return at.lobe_scale(mu); });
 }
 
-void CompactTable::add_single_scattering(const Tables& tables, double tolerance,
+void CompactTable::add_single_scattering(const Tables& tables, const CompactOptions& options,
                                          const Control& control) {
+    const double tolerance = options.tolerance;
     bool layered = false, any = false;
     for (const SolvedTable* table : tables) {
         for (const SolvedWavelength& at : table->wavelengths) {
@@ -218,13 +216,13 @@ void CompactTable::add_single_scattering(const Tables& tables, double tolerance,
         }
     }
     if (!any) return;
-    angles_ = kMostAngles;
-    slants_ = layered ? kSlants : 1;
+    angles_ = options.angles;
+    slants_ = layered ? options.slants : 1;
     const std::size_t count = wavelengths();
     Eigen::MatrixXd table(angles_, Eigen::Index(count) * slants_);
     run_parallel("light scattered once", std::size_t(slants_), control, [&](std::size_t slant) {
         const double q =
-            kFirstQ * std::pow(kLastQ / kFirstQ, double(slant) / std::max(1, kSlants - 1));
+            kFirstQ * std::pow(kLastQ / kFirstQ, double(slant) / std::max(1, slants_ - 1));
         // Equal cosines of this q. The formula knows q and the scattering angle alone, so that the
         // cosine of an azimuth may be any number; at the normal itself every azimuth has one angle.
         const double mu = std::min(2.0 / q, 1.0 - 1e-4);

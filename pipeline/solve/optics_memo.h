@@ -63,6 +63,9 @@ class OpticsMemo {
     /// Whether spheres a little different, for derivatives, are kept too: scenes of one run ask for
     /// the same ones again; set before the memo is used.
     bool keeps_changes = false;
+    /// Above 0: spheres are averaged once, with the whole phase function and to this tolerance, for
+    /// every demand that this meets; their moments, depths and phase function are asked for.
+    double whole_tolerance = 0.0;
     /// Where spheres of sizes that change come from (species_optics); set before the memo is used.
     std::shared_ptr<const SizeLattice> lattice = {};
 

@@ -216,12 +216,17 @@ MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
     if (species.has_extinction())
         result.q_ext = species.given->extinction(species.wavelength_nm[w]);
     result.asymmetry = result.optics.chi.size() > 1 ? result.optics.chi[1] : 0.0;
-    for (const double angle : demand.angles_deg) {
-        result.phase.push_back(
-            rte::exact_phase(result.optics, std::cos(angle * std::numbers::pi / 180.0)));
-        result.phase_error.push_back(0.0);
-    }
+    result.phase = phase_at(result.optics, demand.angles_deg);
+    result.phase_error.assign(result.phase.size(), 0.0);
     return result;
+}
+
+std::vector<double> phase_at(const rte::Optics& optics, const std::vector<double>& angles_deg) {
+    std::vector<double> phase;
+    phase.reserve(angles_deg.size());
+    for (const double angle : angles_deg)
+        phase.push_back(rte::exact_phase(optics, std::cos(angle * std::numbers::pi / 180.0)));
+    return phase;
 }
 
 namespace {

@@ -113,6 +113,9 @@ MediumOptics compute_optics(const ResolvedScene& scene, std::size_t medium, std:
                             const OpticsDemand& demand,
                             const mie::Executor& run = mie::run_in_order);
 
+/// P at angles, of optics with their whole phase function or all moments.
+std::vector<double> phase_at(const rte::Optics& optics, const std::vector<double>& angles_deg);
+
 /// P of a medium with spheres at a few angles, better than its table has it.
 /// @param allowed  error at each angle, absolute; as much of it as a bounded number of sizes
 /// reaches

@@ -201,7 +201,14 @@ const SizeLattice* lattice_of(const Control& control, const ResolvedSpecies& spe
 }
 
 MediumOptics species_optics(const Control& control, const ResolvedSpecies& species, std::size_t w,
-                            const OpticsDemand& demand, const mie::Executor& run) {
+                            const OpticsDemand& asked, const mie::Executor& run) {
+    OpticsDemand demand = asked;
+    const double whole = control.memo != nullptr ? control.memo->whole_tolerance : 0.0;
+    if (whole > 0.0 && asked.tolerance >= whole && !asked.polarisation &&
+        asked.angles_deg.empty()) {
+        demand.whole_phase_function = true;
+        demand.tolerance = whole;
+    }
     if (const SizeLattice* const lattice = lattice_of(control, species, demand))
         return lattice->optics(species, w, demand, control, run);
     Control remembering = control;

@@ -14,6 +14,7 @@
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/surface_part.h"
 #include "rte/boundary/rough_boundaries.h"
+#include "rte/grid/discretisation.h"
 #include "rte/stack/layered_reflection.h"
 
 namespace miebrdf {
@@ -27,7 +28,8 @@ rte::SpectralFirstOrder first_order_of(std::span<const SolvedWavelength> wavelen
 }
 
 /// Solves every wavelength, in parallel.
-std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, const Control& control) {
+std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, int unchecked_nodes,
+                                                const Control& control) {
     const ResolvedScene& scene = state.scene;
     const std::size_t count = scene.wavelength_nm.size();
     std::vector<LightChoice> light(count);
@@ -47,7 +49,7 @@ std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, const 
     run_parallel("radiative transfer", count, control, [&](std::size_t w) {
         rte::SolutionMemory memory = rte::memory_with(boundaries);
         solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
-                          state.components > 1, memory, control);
+                          state.components > 1, unchecked_nodes, memory, control);
     });
     std::vector<SolvedWavelength> wavelengths;
     wavelengths.reserve(solved.size());
@@ -81,12 +83,13 @@ const Directions& probe_directions() {
 SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
                                    const SceneOptics& optics, const SolverOptions& solver,
                                    BrdfPart part, const LightChoice& light, bool whole_matrix,
-                                   rte::SolutionMemory& memory, const Control& control) {
+                                   int unchecked_nodes, rte::SolutionMemory& memory,
+                                   const Control& control) {
     report_.converged = report_.solver.converged = true;
     if (part == BrdfPart::surface) {
         // Nothing of the layers is wanted.
     } else {
-        solve(optics, solver, light.components, whole_matrix, memory);
+        solve(optics, solver, light.components, whole_matrix, unchecked_nodes, memory);
         state_light(light, report_);
     }
     report_.wavelength_nm = scene.wavelength_nm[w];
@@ -101,19 +104,35 @@ SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
 }
 
 void SolvedWavelength::solve(const SceneOptics& optics, const SolverOptions& solver, int components,
-                             bool whole_matrix, rte::SolutionMemory& memory) {
+                             bool whole_matrix, int unchecked_nodes, rte::SolutionMemory& memory) {
     const rte::Stack& stack = optics.stack;
     if (stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary) return;
     SolverOptions options = solver;
     options.tolerance = tolerance_for_transfer(solver.tolerance, optics.mie_error_estimate);
     const rte::SolvedLight light{components, components > 1 && !whole_matrix};
-    report_.solver =
-        components > 1
-            ? rte::reflect_polarised(stack, probe_directions(), light, options, &memory).report
-            : rte::reflect(stack, probe_directions(), options, &memory).report;
+    int& moments = report_.solver.moments;
+    if (unchecked_nodes > 0) {
+        report_.solver.streams = unchecked_nodes;
+        moments = rte::choose_discretisation(stack, options, unchecked_nodes).moments;
+        report_.solver.converged = true;
+    } else {
+        report_.solver =
+            components > 1
+                ? rte::reflect_polarised(stack, probe_directions(), light, options, &memory).report
+                : rte::reflect(stack, probe_directions(), options, &memory).report;
+    }
     options.streams = report_.solver.streams;
-    rte::TabulatedOrders table =
-        rte::tabulate_orders(stack, SmoothPart::nodes(), light, report_.solver, options, memory);
+    // Without the correction no glory is split off, which would be added exactly.
+    options.single_scattering_correction &= unchecked_nodes == 0;
+    const auto tabulated = [&] {
+        return rte::tabulate_orders(stack, SmoothPart::nodes(), light, report_.solver, options,
+                                    memory);
+    };
+    rte::TabulatedOrders table = tabulated();
+    while (unchecked_nodes > 0 && !table.physical && moments > 1) {
+        moments = 3 * moments / 4;
+        table = tabulated();
+    }
     smooth_ = smooth_element(table, light.shown(), 0, 0);
     if (whole_matrix && components > 1) mueller_.emplace(table, components);
     report_.solver.fourier_orders = static_cast<int>(table.orders.size());
@@ -228,13 +247,13 @@ void tell_mirrors(const ResolvedScene& scene, Provenance& provenance) {
 
 SolvedTable::SolvedTable(const ResolvedScene& resolved, const std::string& title,
                          const SolverOptions& options, const TableOptions& table_options,
-                         const Control& control)
+                         const Control& control, int unchecked_nodes)
     : scene(resolved),
       solver(options),
       part(table_options.part),
       channels(channel_names(resolved.wavelength_nm)),
       components(part == BrdfPart::surface ? 1 : std::max(1, options.stokes)) {
-    wavelengths = solve_wavelengths(*this, control);
+    wavelengths = solve_wavelengths(*this, unchecked_nodes, control);
     report.tolerance = solver.tolerance;
     report.sources = scene.sources;
     report.notes = scene.notes;

@@ -30,9 +30,11 @@ class SolvedWavelength {
     /// @param w       index of the wavelength
     /// @param light   its components: of several, the BRDF is element 11 of the Mueller matrix
     /// @param whole_matrix  the other elements are wanted too
+    /// @param unchecked_nodes  of BrdfState
     SolvedWavelength(const ResolvedScene& scene, std::size_t w, const SceneOptics& optics,
                      const SolverOptions& solver, BrdfPart part, const LightChoice& light,
-                     bool whole_matrix, rte::SolutionMemory& memory, const Control& control);
+                     bool whole_matrix, int unchecked_nodes, rte::SolutionMemory& memory,
+                     const Control& control);
 
     /// The surface's transmission included.
     const SmoothPart& smooth() const { return smooth_; }
@@ -57,7 +59,7 @@ class SolvedWavelength {
 
   private:
     void solve(const SceneOptics& optics, const SolverOptions& solver, int components,
-               bool whole_matrix, rte::SolutionMemory& memory);
+               bool whole_matrix, int unchecked_nodes, rte::SolutionMemory& memory);
 
     rte::ScaledStack stack_;
     bool is_polarised_ = false;
@@ -127,7 +129,7 @@ class SmoothSum {
 /// All wavelengths of a scene.
 struct SolvedTable {
     SolvedTable(const ResolvedScene& scene, const std::string& title, const SolverOptions& solver,
-                const TableOptions& options, const Control& control);
+                const TableOptions& options, const Control& control, int unchecked_nodes);
     /// What `for_many_directions` makes.
     SolvedTable(const BrdfTable& exact, const Control& control);
     SolvedTable(const SolvedTable&) = delete;

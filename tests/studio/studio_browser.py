@@ -178,6 +178,7 @@ studio = Studio(PROGRAM)
 browser = Browser("1280,900")
 browser.size(1280, 900)
 browser.open(studio.address)
+solved(browser, "the tolerance by its field", lambda: browser.run("(() => { const e = [...document.querySelectorAll('#studio-method input')][1]; e.value = '0.001'; e.dispatchEvent(new Event('change')); })()"))
 gold = ["--base", "TiO2,radius=0.2", "--coat", "Au,radius=0.03@0.5", "--roughness", "0.3"]
 check_value(browser, gold, "the first scene")
 browser.picture("first")

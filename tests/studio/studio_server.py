@@ -10,10 +10,12 @@ import os
 import pathlib
 import random
 import socket
+import struct
 import subprocess
 import sys
 import threading
 import time
+import zlib
 
 from studio_process import Studio, check, failures
 
@@ -79,6 +81,46 @@ check(status == 422 and "-1" in said["error"] and "allowed" in said["error"], f"
 # What is right.
 status, said = studio.post("/api/solve", {"words": SCENE, "tab": "a"})
 check(status == 200 and said["data"] and not said["shortfalls"], f"a scene is solved in {said.get('seconds', 0):.2f} s")
+
+
+def shown(of, words, preview=False):
+    """Lists of albedos and of light from an even sky (which is summed from the table of the BRDF) that the page gets."""
+    status, reply = of.post("/api/solve", {"words": words, "preview": preview})
+    if status != 200:
+        raise SystemExit(reply)
+    raw = zlib.decompress(base64.b64decode(reply["data"]))
+    length = struct.unpack("<I", raw[:4])[0]
+    variant = json.loads(raw[4:4 + length])["scenes"][0]["variants"][0]
+    places = [variant["albedo"]["spherical"], variant["albedo"]["plane"], variant["sky"]]
+    return [v for place in places for v in struct.unpack_from(f"<{place['f32'][1]}f", raw, 4 + length + place["f32"][0])], variant
+
+
+# What is kept from one change to the next changes nothing beyond the tolerance (0.01, previews 0.03).
+random.seed(7)
+fresh = Studio(PROGRAM)
+worst = {False: 0.0, True: 0.0}
+apart = 0.0
+for number in range(14):
+    lower, upper, depth = random.uniform(0.05, 0.4), random.uniform(0.02, 0.2), random.uniform(0.1, 3)
+    words = {"base": [f"TiO2,radius={lower:.3g}"], "coat": [f"Au,radius={upper:.3g}@{depth:.3g}"], "wavelengths": ["450:650:50"]}
+    top = random.choice([{}, {"roughness": ["0.3"]}, {"boundary": ["smooth"]}, {"boundary": ["rough:0.2"]}])
+    if "boundary" in top:
+        words = {key: [f"{text} in index:1.5" if key == "base" else text.replace("@", " in index:1.5@") if key == "coat" else text for text in texts]
+                 for key, texts in words.items()}
+    words = {**words, **top}
+    both = {}
+    for preview in (True, False):
+        both[preview], variant = shown(studio, words, preview)
+        check(("media" in variant) != preview, f"a {'preview' if preview else 'solution'} of {words}") if number == 0 else None
+        if number % 5 == 4:  # the same in a process that knows nothing
+            fresh.end()
+            fresh = Studio(PROGRAM)
+            alone, _ = shown(fresh, words, preview)
+            worst[preview] = max([worst[preview]] + [abs(a - b) for a, b in zip(both[preview], alone, strict=True)])
+    apart = max([apart] + [abs(a - b) for a, b in zip(both[True], both[False], strict=True)])
+fresh.end()
+check(worst[False] <= 0.01 and worst[True] <= 0.03, f"after any changes a scene is as in a new process ({worst[False]:.1e}, previews {worst[True]:.1e})")
+check(apart <= 0.03, f"previews are within 0.03 ({apart:.1e})")
 replies = []
 slow = {**SCENE, "base": ["H2O,radius=50,variance=0.1"], "wavelengths": ["400:700:5"], "tolerance": ["2e-4"]}
 first = threading.Thread(target=lambda: replies.append(studio.post("/api/solve", {"words": slow, "tab": "b"})[0]))

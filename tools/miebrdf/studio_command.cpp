@@ -23,6 +23,8 @@
 #include "pipeline/io/program_file.h"
 #include "pipeline/report/page.h"
 #include "pipeline/report/report_data.h"
+#include "pipeline/solve/optics_memo.h"
+#include "pipeline/solve/size_lattice.h"
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/result_facts.h"
 #include "tools/miebrdf/run_command.h"
@@ -41,7 +43,11 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostRequestBytes = 16 << 20;
-constexpr double kPreviewTolerance = 3e-2;
+/// Where the scene has no tolerance of its own: of what is shown, and while something is dragged.
+/// Files, command line, TOML and Python have the program's.
+constexpr double kPictureTolerance = 1e-2, kPreviewTolerance = 3e-2;
+/// What earlier changes left is seldom wanted again.
+constexpr std::size_t kMemory = std::size_t{256} << 20, kLeastMemory = std::size_t{64} << 20;
 constexpr std::chrono::seconds kMostSolving{120}, kMostWriting{300};
 constexpr std::size_t kMostMaterials = 40;
 constexpr char kFirstScene[] = R"({"base": ["TiO2,radius=0.2"], "coat": ["Au,radius=0.03@0.5"],
@@ -106,7 +112,7 @@ std::string run_aside(std::vector<std::string> words, const fs::path& folder,
 class Studio {
   public:
     Studio(const Shell& shell, const StudioArguments& arguments)
-        : shell_(shell), memo_(make_optics_memo()), token_(new_token()) {
+        : shell_(shell), token_(new_token()) {
         restore(arguments.file);
     }
 
@@ -241,11 +247,13 @@ class Studio {
         const SaidWords said = words_from_page(asked.at("words"));
         Request request = request_of_page(said);
         const bool is_preview = asked.value("preview", false);
+        if (said.count("tolerance") == 0) request.solver.tolerance = kPictureTolerance;
         if (is_preview) {
             request.solver.tolerance = std::max(request.solver.tolerance, kPreviewTolerance);
             request.solver.stokes = 1;
         }
-        return in_turn(asked, [&](const Control& control) {
+        return in_turn(asked, [&](Control control) {
+            control.memo = memo_for(request, is_preview);
             return solved_page(said, request, is_preview, control);
         });
     }
@@ -260,12 +268,26 @@ class Studio {
             {solved(request, control), "", 0.0, [&](const ResultReport& result) {
                  return page_facts(request.scene, result, command_line_of(command));
              }});
-        const report::ReportData data = report::collect({scene}, control);
+        const report::ReportData data = report::collect(
+            {scene}, control, is_preview ? report::PageDetail::preview : report::PageDetail::whole);
         const std::chrono::duration<double> seconds = Clock::now() - start;
-        return reply({{"data", data.bytes.compressed(data.root)},
+        return reply({{"data", data.bytes.compressed(data.root, 1)},
                       {"preview", is_preview},
                       {"shortfalls", data.shortfalls},
                       {"seconds", seconds.count()}});
+    }
+
+    /// What solutions of this kind have left, as all of them are asked one after the other. Spheres
+    /// of previews are interpolated between sizes that are kept.
+    std::shared_ptr<OpticsMemo> memo_for(const Request& request, bool is_preview) {
+        std::shared_ptr<OpticsMemo>& memo = is_preview ? preview_memo_ : memo_;
+        if (memo == nullptr || memo->free_bytes() < kLeastMemory) memo = make_optics_memo(kMemory);
+        const double tolerance = request.scene.particles.tolerance;
+        memo->whole_tolerance = demand_of(request.solver, tolerance, PhaseDemand::whole).tolerance;
+        if (is_preview)
+            memo->lattice = std::make_shared<const SizeLattice>(
+                SizeLattice::kCoarseStep, std::vector<mie::SizeDistribution>{}, false, nullptr);
+        return memo;
     }
 
     HttpReply measured(const json& asked) { return reply(measured_for_page(asked)); }
@@ -290,7 +312,7 @@ class Studio {
         control.progress = {};
         control.job_begun = {};
         control.piece_done = {};
-        control.memo = memo_;
+        control.cache = {};  // a hundred results of each change, seldom wanted again
         control.is_cancelled = [=, this, is_stopped = control.is_cancelled] {
             return is_stopped() || is_stale(tab, number) || Clock::now() > end;
         };
@@ -357,7 +379,7 @@ class Studio {
     }
 
     const Shell& shell_;
-    std::shared_ptr<OpticsMemo> memo_;
+    std::shared_ptr<OpticsMemo> memo_, preview_memo_;  ///< used with solving_ locked
     fs::path state_ = materials::user_file("XDG_STATE_HOME", ".local/state", "studio.toml");
     std::string token_;
     int port_ = 0;

@@ -5,7 +5,7 @@ const App = (() => {
 
   const view = {
     member: 0, wavelength: 550, light: 'd65', show: 'colour', thetaIn: 30, thetaOut: 45, azimuth: 0, wholeThetaIn: 30,
-    object: 'sphere', exposure: -0.25, sky: 0.2, yaw: 0, pitch: 0, lampYaw: -40, lampPitch: 40,
+    object: 'sphere', exposure: -0.25, sky: 0.2, surroundings: 'room', yaw: 0, pitch: 0, lampYaw: -40, lampPitch: 40,
     lobeYaw: 20, lobePitch: 25, lobeScale: 'linear', normal: null,
   };
 
@@ -33,7 +33,8 @@ const App = (() => {
           planeThrough: albedo.plane_through && Data.rowsOf(f(albedo.plane_through), f(albedo.plane_through).length / W),
           sphericalThrough: albedo.spherical_through && f(albedo.spherical_through),
           sky: Data.rowsOf(f(sky), f(sky).length / W),
-          media: media.map((m) => {
+          mirror: albedo.mirror && Data.rowsOf(f(albedo.mirror), f(albedo.mirror).length / W),
+          media: !media ? this.media || [] : media.map((m) => {
             const phase = Data.integers(store, m.log_phase), angles = phase.length / W;
             return { place: m.place, name: m.name, albedo: f(m.albedo), asymmetry: f(m.asymmetry),
               species: m.species.map((s) => ({ name: s.name, n: f(s.n), k: f(s.k) })),
@@ -103,7 +104,7 @@ const App = (() => {
     const parts = {
       member: ['picture', 'point', 'lobe', 'albedo', 'media', 'facts'], wavelength: ['picture', 'point', 'lobe', 'albedo', 'media'], light: ['picture', 'point', 'albedo'],
       show: ['picture'], thetaIn: ['point', 'lobe', 'albedo'], thetaOut: ['point', 'mark'], azimuth: ['point', 'mark'], object: ['picture'], exposure: ['picture'],
-      sky: ['picture'], lampYaw: ['picture'], lampPitch: ['picture'], lobeScale: ['lobe'],
+      sky: ['picture'], surroundings: ['picture'], lampYaw: ['picture'], lampPitch: ['picture'], lobeScale: ['lobe'],
     };
     const onControl = (key) => {
       if (['thetaIn', 'thetaOut', 'azimuth', 'lampYaw', 'lampPitch', 'object'].includes(key)) view.normal = null;
@@ -166,10 +167,12 @@ const App = (() => {
     if (is3d) Controls.list(row, view, { key: 'object', label: 'Object', choices: [['sphere', 'sphere'], ['knot', 'knot'], ['vase', 'vase']] }, onControl);
     Controls.slider(row, view, { key: 'lampYaw', label: 'Lamp left, right', min: -180, max: 180, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
     Controls.slider(row, view, { key: 'lampPitch', label: 'Lamp down, up', min: -89, max: 89, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
-    Controls.slider(row, view, { key: 'sky', label: 'Sky light', min: 0, max: 1, step: 0.05, text: (v) => `${Math.round(100 * v)} %` }, onControl);
+    Controls.slider(row, view, { key: 'sky', label: 'Light from all around', min: 0, max: 1, step: 0.05, text: (v) => `${Math.round(100 * v)} %` }, onControl);
+    Controls.list(row, view, { key: 'surroundings', label: 'Surroundings', choices: [['room', 'room with two lights'], ['even', 'even sky']] }, onControl);
     Controls.slider(row, view, { key: 'exposure', label: 'Exposure', min: -4, max: 4, step: 0.25, text: (v) => `${v > 0 ? '+' : ''}${v} EV`.replace('-', '−') }, onControl);
     const noteOfPicture = () => 'One distant lamp, no shadows cast, no light from one part to another. A white matt surface that faces the lamp is white at 0 EV; ' +
       'light is multiplied by 2 to the power of the exposure, clipped and written as sRGB, without any other tone curve.' +
+      (view.surroundings === 'room' ? ' The room is there to be mirrored: its light on matt parts and its blurred image in rough ones are approximations; in an even sky they are exact.' : '') +
       (scenes.some((s) => s.solved.lobe && s.solved.lobe.only_in_pictures) ? ' The lamp’s mirror image in a smooth boundary is drawn as a lobe of slope parameter 0.02; the values below are without it.' : '');
 
     // Values at directions.
@@ -286,9 +289,11 @@ const App = (() => {
     function replace(again, stores) {
       Object.assign(root, again);
       scenes.forEach((scene, i) => scene.take(again.scenes[i], stores[i]));
+      scenes.forEach((scene) => scene.choose(view.member));
       $('title').textContent = scenes.map((s) => s.name).join(' beside ');
       for (const card of document.querySelectorAll('#objects h3, #lobes h3')) card.textContent = scenes[card.parentNode.dataset.scene].name;
-      changed(...parts.member);
+      // The studio's previews are without facts and media: those that stand there stay.
+      changed(...parts.member.filter((what) => scenes.every((s) => s.variant.facts) || !['media', 'facts'].includes(what)));
     }
 
     window.addEventListener('resize', () => changed('picture', 'mark'));

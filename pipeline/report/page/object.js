@@ -5,21 +5,66 @@
 // drawn at every pixel.
 const ObjectView = (() => {
   'use strict';
-  const PI = Math.PI, NX = 24, NY = 14, ROWS = 2 * NY + 1;
+  const PI = Math.PI, NX = 24, NY = 14, ROWS = 2 * NY + 2;
   const LEAST = 1e-3;  // cosine that stands for the horizon
 
-  // Unit vector to the lamp as the camera sees it: x right, y up, z to the camera.
-  function lampInView(view) {
-    const rad = PI / 180, ly = view.lampYaw * rad, lp = view.lampPitch * rad;
-    const yaw = -view.yaw * rad, pitch = view.pitch * rad;
-    const x0 = Math.sin(ly) * Math.cos(lp), y0 = Math.sin(lp), z0 = Math.cos(ly) * Math.cos(lp);
+  // A direction of the room as the camera sees it: x right, y up, z to the camera.
+  function inView(view, [x0, y0, z0]) {
+    const yaw = -view.yaw * PI / 180, pitch = view.pitch * PI / 180;
     const x = x0 * Math.cos(yaw) + z0 * Math.sin(yaw), z1 = -x0 * Math.sin(yaw) + z0 * Math.cos(yaw);
     return [x, y0 * Math.cos(pitch) - z1 * Math.sin(pitch), y0 * Math.sin(pitch) + z1 * Math.cos(pitch)];
   }
+  function lampInView(view) {
+    const ly = view.lampYaw * PI / 180, lp = view.lampPitch * PI / 180;
+    return inView(view, [Math.sin(ly) * Math.cos(lp), Math.sin(lp), Math.cos(ly) * Math.cos(lp)]);
+  }
 
-  // Table of colours over normals: RGBA rows of NX: layers (NY rows), lobe (NY rows), sky (one).
+  // The surroundings, mean radiance 1: a room that is brighter towards the ceiling, with two square
+  // lights. Matt parts are lit by what comes from there, mirrors show it, rough ones blurred.
+  // [direction of its middle, of its side, half its width, of its height]
+  const ROOM = { middle: 0.55, rise: 0.45, light: 4, boxes: [[[-0.64, 0.6, 0.48], [0.6, 0, 0.8], 0.36, 0.5], [[0.8, 0.36, 0.48], [0.514, 0, -0.857], 0.22, 0.8]] };
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const vec3 = (v) => `vec3(${v.map((c) => c.toFixed(6)).join(', ')})`;
+  const ROOM_SHADER = `
+    float inBox(vec3 d, vec3 middle, vec3 side, vec3 up, vec2 size, float blur) {
+      float far = dot(d, middle);
+      vec2 at = abs(vec2(dot(d, side), dot(d, up))) / max(far, 1e-3), edge = vec2(0.01 + blur);
+      vec2 inside = (1.0 - smoothstep(size - edge, size + edge, at)) / (1.0 + edge * edge / (size * size));
+      return far > 0.0 ? inside.x * inside.y : 0.0;
+    }
+    float seenOfRoom(vec3 d, float blur) {
+      return ${ROOM.middle} + ${ROOM.rise} * d.y / (1.0 + blur) + ${ROOM.light.toFixed(1)} * (${ROOM.boxes.map(([m, s, w, h]) =>
+        `inBox(d, ${vec3(m)}, ${vec3(s)}, ${vec3(cross(m, s))}, vec2(${w}, ${h}), blur)`).join(' + ')});
+    }
+    float lightFromRoom(vec3 n) {
+      return ${ROOM.middle} + ${(ROOM.rise * 2 / 3).toFixed(4)} * n.y + ${ROOM.boxes.map(([m, , w, h]) =>
+        `${(ROOM.light * 4 * w * h / PI).toFixed(4)} * max(0.0, dot(n, ${vec3(m)}))`).join(' + ')};
+    }`;
+  // The same two by the processor.
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  function seenOfRoom(d, blur) {
+    let sum = ROOM.middle + ROOM.rise * d[1] / (1 + blur);
+    for (const [m, s, w, h] of ROOM.boxes) {
+      const far = dot(d, m), edge = 0.01 + blur;
+      if (far <= 0) continue;
+      let share = ROOM.light;
+      for (const [axis, size] of [[s, w], [cross(m, s), h]]) {
+        const t = Math.min(1, Math.max(0, (size + edge - Math.abs(dot(d, axis)) / Math.max(far, 1e-3)) / (2 * edge)));
+        share *= t * t * (3 - 2 * t) / (1 + edge * edge / (size * size));
+      }
+      sum += share;
+    }
+    return sum;
+  }
+  const lightFromRoom = (n) => ROOM.middle + ROOM.rise * 2 / 3 * n[1] + ROOM.boxes.reduce((sum, [m, , w, h]) => sum + ROOM.light * 4 * w * h / PI * Math.max(0, dot(n, m)), 0);
+  const roomInView = (view) => [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => inView(view, axis));
+  // How far what a scene mirrors is blurred.
+  const blurOf = ({ lobe }) => (lobe ? 1.5 * lobe.alpha : 0);
+
+  // Table of colours over normals: RGBA rows of NX: layers (NY rows), lobe (NY rows), sky (one), and what of it
+  // is mirrored (one).
   function bake(scene, lamp, weights, table) {
-    const { solved, sky } = scene, W = solved.wavelengths;
+    const { solved, sky, mirror } = scene, W = solved.wavelengths;
     const gamma = Math.acos(Math.min(1, Math.max(-1, lamp[2]))), cosOfAngle = -Math.cos(gamma);
     const write = (x, y, spectrum, factor) => {
       for (let c = 0; c < 3; ++c) {
@@ -46,12 +91,17 @@ const ObjectView = (() => {
       }
       const mu = share(x, NX), spectrum = sky.map((values) => Brdf.atCosine(values, mu));
       write(x, 2 * NY, spectrum, 1);
+      // Of a rough surface about what facets along the surface mirror.
+      const degrees = Math.min(88.999, Math.acos(mu) * 180 / PI), at = Math.floor(degrees), beyond = degrees - at, n = solved.nodes;
+      write(x, 2 * NY + 1, spectrum.map((all, w) => Math.min(all, mirror ? (1 - beyond) * mirror[w][at] + beyond * mirror[w][at + 1]
+        : solved.lobe ? Brdf.atCosine(solved.lobe.fresnel, mu, w * n, n) : 0)), 1);
     }
     return gamma;
   }
 
   // Radiance of a white surface that faces the lamp = 1; linear RGB at a normal in the camera's frame.
-  function shade(table, solved, lamp, gamma, skyLight, normal) {
+  // room: the axes of the room in the camera's frame; none: a sky that is everywhere alike
+  function shade(table, solved, lamp, gamma, skyLight, normal, room) {
     const out = normal[2], into = normal[0] * lamp[0] + normal[1] * lamp[1] + normal[2] * lamp[2];
     const rgb = [0, 0, 0];
     if (out <= 0) return rgb;
@@ -76,9 +126,12 @@ const ObjectView = (() => {
       }
     }
     if (skyLight > 0) {
-      const six = Brdf.sixNodes(Brdf.place(out) * (NX - 1), NX);
+      const six = Brdf.sixNodes(Brdf.place(out) * (NX - 1), NX), inRoom = (v) => room.map((axis) => dot(axis, v));
+      const matt = room ? lightFromRoom(inRoom(normal)) : 1;
+      const mirrored = (room ? seenOfRoom(inRoom([2 * out * normal[0], 2 * out * normal[1], 2 * out * out - 1]), blurOf(solved)) : 1) - matt;
       for (let i = 0; i < 6; ++i) {
-        for (let c = 0; c < 3; ++c) rgb[c] += skyLight * six.weight[i] * table[4 * (2 * NY * NX + six.first + i) + c];
+        const at = 4 * (2 * NY * NX + six.first + i), weight = skyLight * six.weight[i];
+        for (let c = 0; c < 3; ++c) rgb[c] += weight * (matt * table[at + c] + mirrored * table[at + 4 * NX + c]);
       }
     }
     return rgb;
@@ -89,8 +142,9 @@ const ObjectView = (() => {
   const fragment = `
     uniform highp sampler2D colours;
     uniform vec3 lamp;
-    uniform float lampAngle, gain, skyLight, alpha;
-    uniform bool hasLobe, ggx;
+    uniform float lampAngle, gain, skyLight, alpha, blur;
+    uniform bool hasLobe, ggx, hasRoom;
+    uniform vec3 room[3];
     varying vec3 vNormal;
     const int NX = ${NX}, NY = ${NY};
     float place(float share) { return ${(2 / PI).toFixed(9)} * asin(sqrt(clamp(share, 0.0, 1.0))); }
@@ -102,6 +156,8 @@ const ObjectView = (() => {
         for (int j = 0; j < 6; ++j) if (j != i) w[i] *= t - float(j);
       }
     }
+    ${ROOM_SHADER}
+    vec3 inRoom(vec3 v) { return vec3(dot(room[0], v), dot(room[1], v), dot(room[2], v)); }
     float encode(float v) {
       v = clamp(v, 0.0, 1.0);
       return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
@@ -139,7 +195,10 @@ const ObjectView = (() => {
         float x = place(outer) * float(NX - 1);
         int x0 = first(x, NX);
         weights(x - float(x0), wx);
-        for (int i = 0; i < 6; ++i) rgb += skyLight * wx[i] * texelFetch(colours, ivec2(x0 + i, 2 * NY), 0).rgb;
+        float matt = hasRoom ? lightFromRoom(inRoom(n)) : 1.0;
+        float mirrored = (hasRoom ? seenOfRoom(inRoom(2.0 * outer * n - vec3(0.0, 0.0, 1.0)), blur) : 1.0) - matt;
+        for (int i = 0; i < 6; ++i)
+          rgb += skyLight * wx[i] * (matt * texelFetch(colours, ivec2(x0 + i, 2 * NY), 0).rgb + mirrored * texelFetch(colours, ivec2(x0 + i, 2 * NY + 1), 0).rgb);
       }
       rgb *= gain;
       gl_FragColor = vec4(encode(rgb.r), encode(rgb.g), encode(rgb.b), 1.0);
@@ -174,7 +233,8 @@ const ObjectView = (() => {
       this.texture.generateMipmaps = false;
       this.material = new THREE.ShaderMaterial({ vertexShader: vertex, fragmentShader: fragment, side: THREE.DoubleSide,
         uniforms: { colours: { value: this.texture }, lamp: { value: new THREE.Vector3() }, lampAngle: { value: 0 }, gain: { value: 1 },
-          skyLight: { value: 0 }, alpha: { value: 1 }, hasLobe: { value: false }, ggx: { value: false } } });
+          skyLight: { value: 0 }, alpha: { value: 1 }, hasLobe: { value: false }, ggx: { value: false }, blur: { value: 0 }, hasRoom: { value: false },
+          room: { value: [0, 1, 2].map(() => new THREE.Vector3()) } } });
       this.mesh = new THREE.Mesh(geometry('sphere'), this.material);
       this.scene = new THREE.Scene();
       this.scene.add(this.mesh);
@@ -198,6 +258,9 @@ const ObjectView = (() => {
       u.hasLobe.value = Boolean(lobe);
       u.ggx.value = Boolean(lobe && lobe.ggx);
       u.alpha.value = lobe ? lobe.alpha : 1;
+      u.blur.value = blurOf(scene.solved);
+      u.hasRoom.value = view.surroundings === 'room';
+      roomInView(view).forEach((axis, i) => u.room.value[i].set(...axis));
       this.texture.needsUpdate = true;
       this.mesh.rotation.set(view.pitch * PI / 180, -view.yaw * PI / 180, 0, 'XYZ');
       this.renderer.render(this.scene, this.camera);
@@ -229,12 +292,12 @@ const ObjectView = (() => {
 
     draw(scene, lamp, gamma, view) {
       const n = this.canvas.width = this.canvas.height = this.size, context = this.canvas.getContext('2d');
-      const image = context.createImageData(n, n), gain = 2 ** view.exposure;
+      const image = context.createImageData(n, n), gain = 2 ** view.exposure, room = view.surroundings === 'room' ? roomInView(view) : null;
       for (let row = 0; row < n; ++row) {
         for (let column = 0; column < n; ++column) {
           const x = 1.06 * (2 * (column + 0.5) / n - 1), y = 1.06 * (1 - 2 * (row + 0.5) / n), r2 = x * x + y * y;
           if (r2 >= 1) continue;
-          const rgb = shade(this.table, scene.solved, lamp, gamma, view.sky, [x, y, Math.sqrt(1 - r2)]);
+          const rgb = shade(this.table, scene.solved, lamp, gamma, view.sky, [x, y, Math.sqrt(1 - r2)], room);
           const at = 4 * (row * n + column);
           for (let c = 0; c < 3; ++c) image.data[at + c] = 255 * Colour.encode(gain * rgb[c]) + 0.5;
           image.data[at + 3] = 255;

@@ -243,9 +243,9 @@ const Panels = (() => {
         list.append(value);
         last = name;
       };
-      for (const [name, text] of variant.facts) add(factNames[name] || name, text, name === 'command');
+      for (const [name, text] of variant.facts || []) add(factNames[name] || name, text, name === 'command');
       add('Error of this page between the points of its tables', `${number(variant.interpolation_error, 2)} of the largest value at an incidence`);
-      for (const { reason } of variant.omissions) add('Left out', reason);
+      for (const { reason } of variant.omissions || []) add('Left out', reason);
       add('Program', version);
       card.append(tag('h3', {}, scene.name), list);
       return card;

@@ -38,7 +38,7 @@ const Studio = (() => {
     };
     const more = Object.fromEntries(Object.entries(words).filter(([name]) => !known.includes(name)));
     return { below: words.substrate ? 'substrate' : 'base', bottom: first('substrate') || first('base'), layers: (words.coat || []).map(split),
-      roughness: first('roughness'), boundary: first('boundary'), wavelengths: first('wavelengths') || '400:700:20', tolerance: first('tolerance') || '0.001', more };
+      roughness: first('roughness'), boundary: first('boundary'), wavelengths: first('wavelengths') || '400:700:20', tolerance: first('tolerance'), more };
   }
 
   function wordsOf(m) {
@@ -222,7 +222,7 @@ const Studio = (() => {
     const method = $('studio-method');
     method.replaceChildren();
     field(method, model, 'wavelengths', 'Wavelengths, nm');
-    field(method, model, 'tolerance', 'Tolerance, of the largest value (1e-4 to 0.1)');
+    field(method, model, 'tolerance', 'Tolerance, of the largest value (1e-4 to 0.1); without one 0.01 for this page, 0.001 for what is downloaded', '0.01');
     const others = { text: Object.entries(model.more).map(([name, values]) => values.map((v) => (v === true ? name : `${name}=${v}`)).join('; ')).join('; ') };
     const input = field(method, others, 'text', 'Other words, with ; between them', 'host-index=1.33; missing-k-zero');
     input.addEventListener('change', () => {
@@ -264,8 +264,8 @@ const Studio = (() => {
     solve(false);
   }
   function save() {
-    const { lampYaw, lampPitch, yaw, pitch, object, exposure, sky, light, thetaIn, thetaOut, azimuth } = App.view;
-    askJson('/api/save', { words: wordsOf(model), view: { model, camera: { lampYaw, lampPitch, yaw, pitch, object, exposure, sky, light, thetaIn, thetaOut, azimuth } } }).catch(() => {});
+    const { lampYaw, lampPitch, yaw, pitch, object, exposure, sky, surroundings, light, thetaIn, thetaOut, azimuth } = App.view;
+    askJson('/api/save', { words: wordsOf(model), view: { model, camera: { lampYaw, lampPitch, yaw, pitch, object, exposure, sky, surroundings, light, thetaIn, thetaOut, azimuth } } }).catch(() => {});
   }
 
   // One request at a time while something is dragged; the server drops what a later one replaces.
@@ -545,7 +545,7 @@ const Studio = (() => {
   }
 
   function begin(words) {
-    model = modelOf({ ...words, wavelengths: [model.wavelengths] });
+    model = modelOf({ ...words, wavelengths: [model.wavelengths], tolerance: [model.tolerance] });
     draw();
     changed(true);
   }
