@@ -293,7 +293,12 @@ const Studio = (() => {
         document.body.dataset.solved = mine;
       }
     } catch (error) {
-      if (mine === number && error.status !== 409) refuse(error);
+      // Requests may overtake each other: the last one must not be the one that the server drops.
+      if (mine === number && error.status === 409) {
+        send(preview);
+        return;
+      }
+      if (mine === number) refuse(error);
     }
     if (mine !== number) return;
     running = false;
