@@ -58,6 +58,10 @@ std::string name_of(Species species) {
 
 }  // namespace
 
+std::vector<std::string> notes_of(const FitProblem& problem, const std::vector<double>& numbers) {
+    return resolve(Scenes(problem).at(numbers), {kExample_nm}).notes;
+}
+
 Batch::Batch(const FitProblem& problem, const std::vector<double>& numbers) : start_(numbers) {
     const Scenes scenes(problem);
     const Scene scene = scenes.at(numbers);

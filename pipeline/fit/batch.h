@@ -56,4 +56,7 @@ class Batch {
     std::vector<std::string> notes_;
 };
 
+/// Within which limits the media of a scene hold, at 550 nm: crowding, tables not for colours.
+std::vector<std::string> notes_of(const FitProblem& problem, const std::vector<double>& numbers);
+
 }  // namespace miebrdf::fitting

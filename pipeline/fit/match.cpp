@@ -259,6 +259,9 @@ MatchResult match(const MatchProblem& problem, const Control& control) {
             result.recipes.begin() + 1, result.recipes.end(),
             [](const Recipe& a, const Recipe& b) { return a.delta_e_2000 < b.delta_e_2000; });
     }
+    std::vector<std::size_t> unused;
+    for (const std::string& note : notes_of(spectra_of(problem, unused), best.numbers))
+        result.notes.push_back(note);
     for (const RecipePart& part : first.parts)
         if (part.at_bound) result.notes.push_back(part.name + " is at its upper bound");
     result.solved_scenes = matcher.solved();

@@ -84,6 +84,7 @@ Model::Model(const FitProblem& problem, const Control& control)
 /// What earlier evaluations left is seldom wanted again; names of materials are.
 const Control& Model::remembering() {
     if (control_.memo->free_bytes() < kLeastMemory) control_.memo = make_optics_memo();
+    control_.memo->names().tells_crowding = false;
     control_.memo->lattice = lattice_is_used_ ? lattice_ : nullptr;
     return control_;
 }

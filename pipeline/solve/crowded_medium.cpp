@@ -140,7 +140,7 @@ void Resolver::set_packing(ResolvedMedium& medium) {
         species.crowd = crowd_of(medium);
         if (species.crowd.empty()) species.crowded = false;
     }
-    if (scene_.particles.packing == Packing::independent && medium.has_amounts &&
+    if (tells_crowding_ && scene_.particles.packing == Packing::independent && medium.has_amounts &&
         filled_volume(medium) > kCrowded)
         note_crowding(medium);
 }

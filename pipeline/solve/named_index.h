@@ -45,6 +45,9 @@ class NamedIndexMemo {
     std::optional<ResolvedIndex> find(const std::string& key) const;
     void keep(const std::string& key, const ResolvedIndex& index);
 
+    /// False where nobody reads notes, as in fits: that of crowded layers takes up to 0.1 s.
+    bool tells_crowding = true;
+
   private:
     mutable std::mutex mutex_;
     std::map<std::string, ResolvedIndex> known_;

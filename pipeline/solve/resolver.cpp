@@ -154,6 +154,7 @@ Resolver::Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexM
                    const IndexShift* shift)
     : scene_(scene),
       example_wavelength_nm_(example_wavelength_nm),
+      tells_crowding_(memo == nullptr || memo->tells_crowding),
       materials_(scene.database, scene.index, memo) {
     if (shift != nullptr) materials_.shift = *shift;
 }

@@ -74,6 +74,7 @@ class Resolver {
 
     const Scene& scene_;
     double example_wavelength_nm_;
+    bool tells_crowding_;
     Materials materials_;
     std::vector<std::string> sources_, notes_;
 };

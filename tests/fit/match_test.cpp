@@ -174,6 +174,7 @@ thickness_um = 30
     denser.replace(denser.find("density=4"), 0, "layer-density=1300,");
     const MatchResult known = match(read_match_text(denser, "", "match.toml"));
     CHECK_FALSE(has_note(known, "is not known"));
+    CHECK(has_note(known, "independent scattering is assumed"));  // 10 % of the volume
     const auto weight = [&](const char* name) {
         return *part_of(known.recipes[0], name).weight_share;
     };
