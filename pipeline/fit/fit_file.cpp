@@ -29,6 +29,7 @@ const std::vector<std::string> kMeasuredKeys = {"file",
                                                 "scale",
                                                 "relative_sigma",
                                                 "diffuse_fraction",
+                                                "sky",
                                                 "light",
                                                 "mu_in",
                                                 "mu_out",
@@ -42,7 +43,8 @@ const std::vector<std::string> kMeasuredKeys = {"file",
                                                 "band_width",
                                                 "correlation_length",
                                                 "sphere",
-                                                "other_sphere"};
+                                                "other_sphere",
+                                                "lost_light"};
 
 class FitFile : TomlFile {
   public:
@@ -296,6 +298,11 @@ class FitFile : TomlFile {
 
     void read_spheres(const toml::table& set, fitting::MeasuredWords& words, FitData& data) {
         if (set.get("sphere") != nullptr) data.spheres.emplace();
+        if (const toml::node* lost = set.get("lost_light")) {
+            if (!data.spheres || !lost->is_boolean())
+                refuse(*lost, "'lost_light' is true or false, beside 'sphere'");
+            data.spheres->lost_light = lost->value_or(false);
+        }
         for (const char* key : {"sphere", "other_sphere"}) {
             const bool other = key != std::string_view("sphere");
             const toml::node* node = set.get(key);
@@ -352,6 +359,15 @@ class FitFile : TomlFile {
             data.name += fmt::format(" #{}", problem_.data.size() + 1);
         if (const auto share = number_of_key(set, "diffuse_fraction"))
             data.diffuse_fraction = *share;
+        if (const std::string text = text_of(set, "sky"); !text.empty()) {
+            at(*set.get("sky"), [&] {
+                data.sky = sky(found_in(folder_, text));
+                if (data.sky.kind != Sky::Kind::uniform && !(data.diffuse_fraction > 0.0))
+                    throw UsageError(
+                        "'sky' is where the share diffuse_fraction of the light of hdrf comes "
+                        "from; write diffuse_fraction = 0.2 beside it");
+            });
+        }
         if (const std::string light = text_of(set, "light"); !light.empty())
             at(*set.get("light"), [&] { data.viewing = viewing(light); });
         if (const toml::node* scale = set.get("scale")) {

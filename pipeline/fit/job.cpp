@@ -62,6 +62,11 @@ bool uses_per_wavelength(const std::vector<TemplateWord>& words,
 /// all, and so many for each value, a table is solved and asked at the directions alone.
 constexpr std::size_t kMostCombinations = 100'000, kMostPerValue = 20;
 
+bool is_same(const Sky& a, const Sky& b) {
+    return a.kind == b.kind && a.wavelength_nm == b.wavelength_nm && a.zenith_deg == b.zenith_deg &&
+           a.azimuth_deg == b.azimuth_deg && a.values == b.values;
+}
+
 void scatter(Job& job) {
     const Directions& d = job.directions;
     const std::size_t combinations = d.mu_in.size() * d.mu_out.size() * d.azimuth_deg.size();
@@ -159,7 +164,8 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
                 apart ? std::optional<std::size_t>(std::size_t(at)) : std::optional<std::size_t>();
             auto job = std::find_if(jobs.begin(), jobs.end(), [&](const Job& j) {
                 return j.kind == kind && j.only_wavelength == only && j.words == words &&
-                       j.diffuse_fraction == data.diffuse_fraction && j.viewing == data.viewing;
+                       j.diffuse_fraction == data.diffuse_fraction && j.viewing == data.viewing &&
+                       is_same(j.sky, data.sky);
             });
             if (job == jobs.end()) {
                 jobs.push_back(
@@ -167,6 +173,7 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
                      .names = unknowns_in(problem, words),
                      .kind = kind,
                      .diffuse_fraction = data.diffuse_fraction,
+                     .sky = data.sky,
                      .viewing = data.viewing,
                      .only_wavelength = only,
                      .wavelength_nm = kind == Kind::lab ? lab_wavelengths() : std::vector<double>{},
@@ -192,8 +199,12 @@ std::vector<Job> jobs_of(const FitProblem& problem, const std::vector<Slot>& slo
     }
     for (Job& job : jobs) {
         if (job.directions.mu_in.empty()) job.directions.mu_in = {1.0};  // albedos want one
-        if (job.kind == Kind::brdf || job.kind == Kind::hdrf) scatter(job);
-        interpolate_spectra(job);
+        const bool has_sky = job.kind == Kind::hdrf && job.sky.kind != Sky::Kind::uniform;
+        if (job.kind == Kind::brdf || (job.kind == Kind::hdrf && !has_sky)) scatter(job);
+        const bool loses = std::any_of(job.uses.begin(), job.uses.end(), [](const Job::Use& use) {
+            return use.of_spheres != nullptr && use.of_spheres->spheres->lost_light;
+        });
+        if (!loses) interpolate_spectra(job);
     }
     return jobs;
 }

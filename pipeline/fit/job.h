@@ -12,6 +12,7 @@
 
 #include "pipeline/fit/unknowns.h"
 #include "pipeline/scene/scene_template.h"
+#include "pipeline/solve/lost_light.h"
 
 namespace miebrdf::fitting {
 
@@ -26,6 +27,7 @@ struct Job {
         /// Indices of this job; `point` where is_scattered().
         std::size_t wavelength = 0, in = 0, out = 0, azimuth = 0, point = 0;
         const FitData* of_spheres = nullptr;  ///< the data that spheres have measured
+        LostLight lost = {};                  ///< of these: traced for the scene found before
     };
     /// A measured value: one use, or of an interpolated job a mean over a band of a spectrum.
     struct Reading {
@@ -38,6 +40,7 @@ struct Job {
     std::set<std::string> names;  ///< of unknowns in them
     Kind kind = Kind::albedo;
     double diffuse_fraction = 0.0;
+    Sky sky = {};
     Viewing viewing = {};
     std::optional<std::size_t> only_wavelength;  ///< index in the model's: unknowns differ there
     std::vector<double> wavelength_nm;

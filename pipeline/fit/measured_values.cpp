@@ -141,9 +141,10 @@ void read_values(const MeasuredWords& words, FitData& data) {
                     "{} says nothing of spheres; give them: sphere = {{ diameter = 200, "
                     "sample_port = 25, wall = 0.97 }}",
                     words.file));
-            const bool as_iad = data.spheres->as_iad;
+            const bool as_iad = data.spheres->as_iad, lost = data.spheres->lost_light;
             data.spheres = std::move(measured.spheres);
             data.spheres->as_iad = as_iad;
+            data.spheres->lost_light = lost;
         }
         if (data.spheres)  // they are used
             std::erase_if(data.doubts, [](const std::string& doubt) {

@@ -247,6 +247,14 @@ SolvedJob Model::solve_freely(Job& job, std::span<const double> numbers) {
     return most;
 }
 
+double Model::trace_lost_light(std::span<const double> numbers) {
+    double change = 0.0;
+    for (Job& job : jobs_)
+        change =
+            std::max(change, fitting::trace_lost_light(job, request(job, numbers), remembering()));
+    return change;
+}
+
 bool Model::choose_streams(std::span<const double> numbers) {
     std::vector<SolvedJob> solved;
     std::vector<Job> chosen;

@@ -53,6 +53,10 @@ class Model {
     /// @return whether more are needed than before
     bool choose_streams(std::span<const double> numbers);
 
+    /// Traces the light that spheres do not get of this scene; evaluate() takes it off from now on.
+    /// @return the largest change of a share; 0 where no data ask for it
+    double trace_lost_light(std::span<const double> numbers);
+
     /// Throws what solving throws: UsageError for numbers that no scene can have, Cancelled. Where
     /// the lattice reaches beyond what can be computed, averages are the scene's own; where a
     /// difference does, it is taken to the other side alone.

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include <miebrdf/colour.h>
 #include <miebrdf/error.h>
+#include <miebrdf/value_derivatives.h>
 #include "pipeline/fit/derived.h"
 #include "pipeline/fit/problem.h"
 
@@ -59,6 +62,13 @@ SlabLight slab_light(const AlbedoValues& values, std::size_t w, std::size_t in) 
             .t_unscattered = passes ? values.unscattered_transmittance[w][in] : 0.0,
             .r_diffuse = values.spherical_albedo[w],
             .t_diffuse = passes ? values.spherical_transmittance[w] : 0.0};
+}
+
+void take_off(const LostLight& lost, SlabLight& light) {
+    light.r_direct -= lost.r_direct;
+    light.t_direct -= lost.t_direct;
+    light.r_diffuse -= lost.r_diffuse;
+    light.t_diffuse -= lost.t_diffuse;
 }
 
 /// The values of a job, one kind of them after the other.
@@ -122,8 +132,9 @@ class JobSolver {
             if (use.of_spheres == nullptr) return value;
             const double nm = job_.wavelength_nm[use.wavelength];
             const SphereMeasurement spheres = use.of_spheres->spheres->at(nm);
-            const SlabLight light = slab_light(with.values, use.wavelength, use.in),
-                            slope = slab_light(values, use.wavelength, use.in);
+            const SlabLight slope = slab_light(values, use.wavelength, use.in);
+            SlabLight light = slab_light(with.values, use.wavelength, use.in);
+            take_off(use.lost, light);
             const auto reading = [&](double step) {
                 SlabLight at = light;
                 for (const auto part :
@@ -160,19 +171,28 @@ class JobSolver {
         });
     }
 
-    /// Sun and sky apart (Brdf::hdrf).
     void add_reflectances() {
         const double share = job_.kind == Kind::hdrf ? job_.diffuse_fraction : 0.0;
-        std::optional<WithDerivatives<AlbedoValues>> sky;
+        if (share > 0.0 && !job_.is_scattered()) {
+            const auto with = hdrf_derivatives(brdf_, names_, job_.directions, share, job_.sky);
+            const std::size_t outs = job_.directions.mu_out.size(),
+                              azimuths = job_.directions.azimuth_deg.size();
+            fill(with, [&](const HdrfValues& values, const Job::Use& use) {
+                return values
+                    .hdrf[use.wavelength][(use.in * outs + use.out) * azimuths + use.azimuth];
+            });
+            return;
+        }
+        std::optional<AlbedoValues> sky;
         if (share > 0.0) {
             if (request_.scene.surface) brdf_.hdrf({{1.0}, {1.0}, {0.0}}, share);  // may refuse it
-            sky = albedo(job_.directions.mu_out);
+            sky = brdf_.albedo(job_.directions.mu_out);
         }
-        const auto in_unit_of = [&](const Job::Use& use, double f, const AlbedoValues* of_sky) {
+        const auto in_unit_of = [&](const Job::Use& use, double f) {
             if (use.quantity == MeasuredQuantity::brdf) return f;
             const double factor = std::numbers::pi * f;
-            if (of_sky == nullptr) return factor;
-            return (1.0 - share) * factor + share * of_sky->plane_albedo[use.wavelength][use.out];
+            if (!sky) return factor;
+            return (1.0 - share) * factor + share * sky->plane_albedo[use.wavelength][use.out];
         };
         if (job_.is_scattered()) {
             const BrdfTable table = brdf_.table();
@@ -180,9 +200,8 @@ class JobSolver {
             std::vector<double> values(job_.points.size() * stride);
             table.evaluate(job_.points, values);
             for (const Job::Use& use : job_.uses)
-                solved_.values.push_back(in_unit_of(use,
-                                                    values[use.point * stride + use.wavelength],
-                                                    sky ? &sky->values : nullptr));
+                solved_.values.push_back(
+                    in_unit_of(use, values[use.point * stride + use.wavelength]));
             count_effort(table.report());
             return;
         }
@@ -192,13 +211,7 @@ class JobSolver {
                 ? WithDerivatives<BrdfValues>{brdf_.evaluate(job_.directions, whole), {}, {}}
                 : brdf_.derivatives(names_).evaluate(job_.directions, whole);
         fill(sun, [&](const BrdfValues& values, const Job::Use& use) {
-            const AlbedoValues* of_sky = nullptr;
-            if (sky) {
-                of_sky = &values == &sun.values
-                             ? &sky->values
-                             : &sky->derivatives[std::size_t(&values - sun.derivatives.data())];
-            }
-            return in_unit_of(use, values.at(use.wavelength, use.in, use.out, use.azimuth), of_sky);
+            return in_unit_of(use, values.at(use.wavelength, use.in, use.out, use.azimuth));
         });
     }
 
@@ -230,6 +243,35 @@ Request request_of(const FitProblem& problem, const std::vector<Slot>& slots, co
     if (request.solver.streams == 0) request.solver.streams = job.streams;
     if (request.solver.stokes == 0 && job.takes_intensity_alone) request.solver.stokes = 1;
     return request;
+}
+
+double trace_lost_light(Job& job, const Request& request, const Control& control) {
+    std::optional<Brdf> brdf;
+    std::map<std::tuple<const FitData*, bool, std::size_t>, std::vector<LostLight>> traced;
+    double change = 0.0;
+    for (Job::Use& use : job.uses) {
+        if (use.of_spheres == nullptr || !use.of_spheres->spheres->lost_light) continue;
+        const SphereMeasurement& spheres = *use.of_spheres->spheres;
+        const bool below = use.quantity == MeasuredQuantity::transmittance;
+        const double port = spheres.above.sample_port_mm, other = spheres.below.sample_port_mm;
+        if (!brdf) brdf = solve(request.scene, job.wavelength_nm, request.solver, control);
+        std::vector<LostLight>& of_data = traced[{use.of_spheres, below, use.in}];
+        if (of_data.empty())
+            of_data = lost_light(*brdf, job.directions.mu_in[use.in],
+                                 {.beam_mm = spheres.beam_mm,
+                                  .above_mm = port,
+                                  .below_mm = other,
+                                  .flooded_mm = spheres.spheres == 0            ? 0.0
+                                                : below && spheres.spheres == 1 ? other
+                                                                                : port},
+                                 control);
+        const LostLight& lost = of_data[use.wavelength];
+        for (const auto part : {&LostLight::r_direct, &LostLight::t_direct, &LostLight::r_diffuse,
+                                &LostLight::t_diffuse})
+            change = std::max(change, std::abs(lost.*part - use.lost.*part));
+        use.lost = lost;
+    }
+    return change;
 }
 
 SolvedJob solve_job(const Job& job, const Request& request, const Control& control,

@@ -24,6 +24,10 @@ struct SolvedJob {
 Request request_of(const FitProblem& problem, const std::vector<Slot>& slots, const Job& job,
                    std::span<const double> numbers, const std::vector<std::string>& names);
 
+/// Traces the light that leaves the sample beside the ports, for the job's uses that ask for it.
+/// @return the largest change of a share; 0: none asks
+double trace_lost_light(Job& job, const Request& request, const Control& control);
+
 /// @param names  of the derivatives that are wanted; none of a scattered job
 /// @throws UsageError  for scenes and derivatives that cannot be; Cancelled
 SolvedJob solve_job(const Job& job, const Request& request, const Control& control,

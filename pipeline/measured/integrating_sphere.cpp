@@ -125,7 +125,8 @@ constexpr Word kWords[] = {
      [](Words& m, bool) -> double& { return m.unscattered_reflectance; }},
     {"unscattered_transmittance",
      [](Words& m, bool) -> double& { return m.unscattered_transmittance; }},
-    {"hits_wall", [](Words& m, bool) -> double& { return m.hits_wall; }}};
+    {"hits_wall", [](Words& m, bool) -> double& { return m.hits_wall; }},
+    {"beam", [](Words& m, bool) -> double& { return m.beam_mm; }, kLargestMm}};
 
 void check(const IntegratingSphere& sphere) {
     if (!(sphere.diameter_mm > 0.0 && sphere.sample_port_mm > 0.0 && sphere.wall > 0.0 &&
@@ -168,7 +169,7 @@ double sphere_reading(const SphereMeasurement& m, bool transmitted, const SlabLi
 }
 
 void set_sphere_word(SphereMeasurement& m, const std::string& word, double value, bool other) {
-    std::string allowed = "baffle, dual_beam";
+    std::string allowed = "baffle, dual_beam, lost_light";
     for (const Word& known : kWords) {
         allowed += fmt::format(", {}", known.name);
         if (known.name != word) continue;
@@ -180,6 +181,8 @@ void set_sphere_word(SphereMeasurement& m, const std::string& word, double value
     }
     if (word == "dual_beam") {
         m.spheres = value != 0.0 ? 0 : 1;
+    } else if (word == "lost_light") {
+        m.lost_light = value != 0.0;
     } else if (word != "baffle") {
         throw UsageError("sphere: word", word, allowed);
     } else {
@@ -189,6 +192,11 @@ void set_sphere_word(SphereMeasurement& m, const std::string& word, double value
 }
 
 void validate(const SphereMeasurement& m) {
+    if (m.lost_light && !(m.above.sample_port_mm > 0.0 && m.below.sample_port_mm > 0.0))
+        throw UsageError(
+            "sphere: lost_light needs the diameters of beam and port in mm, beam = 5, sample_port "
+            "= "
+            "25");
     if (m.spheres == 0) return;
     check(m.above);
     check(m.below);

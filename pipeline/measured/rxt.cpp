@@ -66,9 +66,10 @@ class RxtReader {
                                                  "reflectance_of_standard",
                                                  "spheres"};
         double last = 0.0;
-        double standard = 1.0;
+        double standard = 1.0, beam = 0.0;
         for (const char* name : kNames) {
             last = number();
+            if (name == std::string_view("beam_diameter_mm")) beam = last;
             if (name == std::string_view("reflectance_of_standard")) standard = last;
             list_.facts.emplace_back(name, fmt::format("{:g}", last));
         }
@@ -79,7 +80,7 @@ class RxtReader {
                 "be 2 times too small",
                 file_.path, last, last > 1.0 ? "s" : ""));
         }
-        SphereMeasurement spheres{.spheres = int(last)};
+        SphereMeasurement spheres{.spheres = int(last), .beam_mm = beam};
         for (IntegratingSphere* sphere : {&spheres.above, &spheres.below})
             for (double* part : {&sphere->diameter_mm, &sphere->sample_port_mm,
                                  &sphere->third_port_mm, &sphere->detector_port_mm, &sphere->wall})

@@ -12,6 +12,12 @@
 
 namespace miebrdf {
 
+std::string found_in(const std::string& folder, const std::string& name) {
+    const std::filesystem::path file = std::filesystem::path(folder) / name;
+    std::error_code unreadable;
+    return std::filesystem::is_regular_file(file, unreadable) ? file.string() : name;
+}
+
 TomlFile::TomlFile(std::string kind, std::string path, std::string_view text)
     : kind_(std::move(kind)), path_(std::move(path)) {
     try {

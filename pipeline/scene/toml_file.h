@@ -13,6 +13,10 @@
 
 namespace miebrdf {
 
+/// The file of this name in the folder if there is one, else the name: names in files are relative
+/// to them.
+std::string found_in(const std::string& folder, const std::string& name);
+
 class TomlFile {
   public:
     /// @param kind  names it in messages: "sweep file"

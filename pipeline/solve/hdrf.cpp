@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
-#include <miebrdf/transfer.h>
 #include "rte/math/quadrature.h"
 
 namespace miebrdf {
@@ -55,82 +55,83 @@ BrdfParts parts_of_sun(double diffuse_fraction) {
     return {.subsurface = false, .surface = false, .total = diffuse_fraction < 1.0};
 }
 
+/// The diffuse part of reflectance factors, or of a derivative of them: [wavelength][direction].
+using Factors = std::vector<std::vector<double>>;
+
 /// Of both parts, or their derivatives.
-/// @param sky  at the cosines of reflection; empty: the sun's part alone
+/// @param diffuse  empty: the sun's part alone
 HdrfValues mixed(const Directions& directions, double diffuse_fraction, const BrdfValues& sun,
-                 const AlbedoValues& sky) {
-    const bool diffuse = diffuse_fraction > 0.0 && !sky.spherical_albedo.empty(),
-               sunny = diffuse_fraction < 1.0;
-    const std::size_t ins = directions.mu_in.size(), outs = directions.mu_out.size(),
-                      azimuths = directions.azimuth_deg.size();
+                 const Factors& diffuse) {
     HdrfValues values;
-    if (sunny) add_report(values, sun);
-    if (diffuse) add_report(values, sky);
     values.directions = directions;
     values.diffuse_fraction = diffuse_fraction;
-    const std::size_t wavelengths = sunny ? sun.slices.size() : sky.spherical_albedo.size();
+    const bool sunny = diffuse_fraction < 1.0;
+    const std::size_t wavelengths = sunny ? sun.slices.size() : diffuse.size(),
+                      size = directions.mu_in.size() * directions.mu_out.size() *
+                             directions.azimuth_deg.size();
     for (std::size_t w = 0; w < wavelengths; ++w) {
-        std::vector<double>& all = values.hdrf.emplace_back(ins * outs * azimuths, 0.0);
+        std::vector<double>& all = values.hdrf.emplace_back(size, 0.0);
         for (std::size_t i = 0; i < all.size(); ++i) {
             if (sunny)
                 all[i] = (1.0 - diffuse_fraction) * std::numbers::pi * sun.slices[w].total[i];
-            if (diffuse) all[i] += diffuse_fraction * sky.at(w, i / azimuths % outs);
+            if (!diffuse.empty()) all[i] += diffuse_fraction * diffuse[w][i];
         }
     }
     return values;
 }
 
-}  // namespace
-
-double AlbedoValues::under_sky(std::size_t wavelength, std::size_t in,
-                               double diffuse_fraction) const {
-    require_share(diffuse_fraction);
-    return (1.0 - diffuse_fraction) * at(wavelength, in) +
-           diffuse_fraction * spherical_albedo[wavelength];
+/// By reciprocity: the plane albedo at each mu_out.
+Factors under_uniform_sky(const Directions& directions, const AlbedoValues& albedo) {
+    const std::size_t ins = directions.mu_in.size(), outs = directions.mu_out.size(),
+                      azimuths = directions.azimuth_deg.size();
+    Factors factors;
+    for (std::size_t w = 0; w < albedo.spherical_albedo.size(); ++w) {
+        std::vector<double>& all = factors.emplace_back(ins * outs * azimuths);
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] = albedo.at(w, i / azimuths % outs);
+    }
+    return factors;
 }
 
-HdrfValues Brdf::hdrf(const Directions& directions, double diffuse_fraction) const {
-    require_sky(*this, diffuse_fraction);
-    const BrdfValues sun = evaluate(directions, parts_of_sun(diffuse_fraction));
-    return mixed(directions, diffuse_fraction, sun,
-                 diffuse_fraction > 0.0 ? albedo(directions.mu_out) : AlbedoValues{});
-}
+/// Nodes of a sky: Gauss points in the cosine, even steps in the azimuth from the sun.
+struct SkyNodes {
+    math::Quadrature mu;
+    int azimuths;
 
-namespace {
+    SkyNodes(int cosines, int turns)
+        : mu(math::gauss_legendre(cosines, 0.0, 1.0)), azimuths(turns) {}
+    double from_sun(int k) const { return 360.0 * (k + 0.5) / azimuths; }
 
-/// pi f L mu over L mu, summed over nodes of the sky: [wavelength][direction].
-struct SkySums {
-    std::vector<std::vector<double>> factor;
-    ResultReport report;
+    /// From each node to each direction of reflection.
+    Directions directions(const Directions& asked) const {
+        Directions all{mu.nodes, asked.mu_out, {}};
+        all.azimuth_deg.reserve(asked.azimuth_deg.size() * std::size_t(azimuths));
+        for (const double view : asked.azimuth_deg) {
+            for (int k = 0; k < azimuths; ++k) all.azimuth_deg.push_back(view - from_sun(k));
+        }
+        return all;
+    }
 };
 
-/// @param cosines, azimuths  of the nodes, how many
-SkySums under_sky(const Brdf& brdf, const Directions& directions, const Sky& sky, int cosines,
-                  int azimuths) {
-    const math::Quadrature mu = math::gauss_legendre(cosines, 0.0, 1.0);
+/// pi f L mu over L mu, summed over the nodes.
+/// @param f        at directions(), or a derivative
+/// @param mirrors  at mu_out: a mirror shows the sky beyond it
+Factors under_sky(const Directions& directions, const std::vector<double>& wavelength_nm,
+                  const Sky& sky, const SkyNodes& nodes, const BrdfValues& f,
+                  const AlbedoValues& mirrors) {
     const auto& [mu_in, mu_out, azimuth_deg] = directions;
-    Directions nodes{mu.nodes, mu_out, {}};
-    const auto from_sun = [&](int k) { return 360.0 * (k + 0.5) / azimuths; };
-    nodes.azimuth_deg.reserve(azimuth_deg.size() * std::size_t(azimuths));
-    for (const double view : azimuth_deg) {
-        for (int k = 0; k < azimuths; ++k) nodes.azimuth_deg.push_back(view - from_sun(k));
-    }
-    const BrdfValues f = brdf.evaluate(nodes, {.subsurface = false, .total = true});
-    // A mirror shows the sky beyond it.
-    const AlbedoValues mirrors = brdf.albedo(mu_out);
-    const auto turns = std::size_t(azimuths);
-    SkySums sums;
-    sums.report = f;
+    const math::Quadrature& mu = nodes.mu;
+    const auto turns = std::size_t(nodes.azimuths);
+    Factors factors;
     for (std::size_t w = 0; w < f.slices.size(); ++w) {
-        const double nm = brdf.wavelength_nm()[w];
-        std::vector<double>& all = sums.factor.emplace_back();
+        const double nm = wavelength_nm[w];
+        std::vector<double>& all = factors.emplace_back();
         for (const double sun : mu_in) {
             std::vector<double> weights(mu.nodes.size() * turns);
             double irradiance = 0.0;
             for (std::size_t i = 0; i < weights.size(); ++i) {
                 const std::size_t n = i / turns;
-                weights[i] = 2.0 * std::numbers::pi / azimuths * mu.weights[n] * mu.nodes[n] *
-                             sky.radiance(mu.nodes[n], from_sun(int(i % turns)), sun, nm);
+                weights[i] = 2.0 * std::numbers::pi / nodes.azimuths * mu.weights[n] * mu.nodes[n] *
+                             sky.radiance(mu.nodes[n], nodes.from_sun(int(i % turns)), sun, nm);
                 irradiance += weights[i];
             }
             for (std::size_t o = 0; o < mu_out.size(); ++o) {
@@ -146,63 +147,94 @@ SkySums under_sky(const Brdf& brdf, const Directions& directions, const Sky& sky
             }
         }
     }
-    return sums;
+    return factors;
+}
+
+/// Adds what half as many nodes differ by to the error estimates.
+void add_node_error(HdrfValues& values, const Factors& fine, const Factors& coarse) {
+    for (std::size_t w = 0; w < fine.size(); ++w) {
+        double largest = 0.0, apart = 0.0;
+        for (std::size_t i = 0; i < fine[w].size(); ++i) {
+            largest = std::max(largest, std::abs(values.hdrf[w][i]));
+            apart = std::max(apart, std::abs(fine[w][i] - coarse[w][i]));
+        }
+        WavelengthReport& report = values.wavelengths[w];
+        const double error = largest > 0.0 ? values.diffuse_fraction * apart / largest : 0.0;
+        report.error_estimate = std::max(report.error_estimate, error);
+        report.converged = report.converged && error <= values.tolerance;
+    }
 }
 
 }  // namespace
 
+double AlbedoValues::under_sky(std::size_t wavelength, std::size_t in,
+                               double diffuse_fraction) const {
+    require_share(diffuse_fraction);
+    return (1.0 - diffuse_fraction) * at(wavelength, in) +
+           diffuse_fraction * spherical_albedo[wavelength];
+}
+
+HdrfValues Brdf::hdrf(const Directions& directions, double diffuse_fraction) const {
+    return hdrf(directions, diffuse_fraction, {});
+}
+
 HdrfValues Brdf::hdrf(const Directions& directions, double diffuse_fraction, const Sky& sky) const {
-    if (sky.kind == Sky::Kind::uniform || diffuse_fraction == 0.0)
-        return hdrf(directions, diffuse_fraction);
-    require_sky(*this, diffuse_fraction);
-    rte::validate(directions);
-    // Circumsolar light, lobes and glories are smooth beside the nodes, or the estimate says so.
-    constexpr int kCosines = 24, kAzimuths = 48;
-    const SkySums coarse = under_sky(*this, directions, sky, kCosines / 2, kAzimuths / 2);
-    SkySums fine = under_sky(*this, directions, sky, kCosines, kAzimuths);
-    HdrfValues values = mixed(directions, diffuse_fraction,
-                              evaluate(directions, parts_of_sun(diffuse_fraction)), {});
-    add_report(values, fine.report);
-    for (std::size_t w = 0; w < fine.factor.size(); ++w) {
-        double largest = 0.0, apart = 0.0;
-        if (values.hdrf.size() == w) values.hdrf.emplace_back(fine.factor[w].size(), 0.0);
-        for (std::size_t i = 0; i < fine.factor[w].size(); ++i) {
-            values.hdrf[w][i] += diffuse_fraction * fine.factor[w][i];
-            largest = std::max(largest, std::abs(values.hdrf[w][i]));
-            apart = std::max(apart, std::abs(fine.factor[w][i] - coarse.factor[w][i]));
-        }
-        WavelengthReport& report = values.wavelengths[w];
-        const double error = largest > 0.0 ? diffuse_fraction * apart / largest : 0.0;
-        report.error_estimate = std::max(report.error_estimate, error);
-        report.converged = report.converged && error <= values.tolerance;
-    }
-    return values;
+    return hdrf_derivatives(*this, {}, directions, diffuse_fraction, sky).values;
 }
 
 WithDerivatives<HdrfValues> hdrf_derivatives(const Brdf& brdf,
                                              const std::vector<std::string>& parameters,
-                                             const Directions& directions,
-                                             double diffuse_fraction) {
+                                             const Directions& directions, double diffuse_fraction,
+                                             const Sky& sky) {
     require_sky(brdf, diffuse_fraction);
-    const BrdfDerivatives by = brdf.derivatives(parameters);
-    const BrdfParts parts = parts_of_sun(diffuse_fraction);
-    WithDerivatives<BrdfValues> sun;
-    if (parts.total) {
-        sun = by.evaluate(directions, parts);
-    } else {
-        sun.values = brdf.evaluate(directions, parts);
-    }
-    WithDerivatives<AlbedoValues> sky;
-    if (diffuse_fraction > 0.0) sky = by.albedo(directions.mu_out);
+    std::optional<BrdfDerivatives> by;
+    if (!parameters.empty()) by = brdf.derivatives(parameters);
+    const auto evaluate = [&](const Directions& at, const BrdfParts& parts) {
+        return by && parts.total ? by->evaluate(at, parts)
+                                 : WithDerivatives<BrdfValues>{brdf.evaluate(at, parts), {}, {}};
+    };
+    const auto albedo = [&] {
+        return by ? by->albedo(directions.mu_out)
+                  : WithDerivatives<AlbedoValues>{brdf.albedo(directions.mu_out), {}, {}};
+    };
+    WithDerivatives<BrdfValues> sun = evaluate(directions, parts_of_sun(diffuse_fraction));
     sun.derivatives.resize(parameters.size());
-    sky.derivatives.resize(parameters.size());
-    WithDerivatives<HdrfValues> all{
-        mixed(directions, diffuse_fraction, sun.values, sky.values), parameters, {}};
-    for (std::size_t p = 0; p < parameters.size(); ++p) {
-        HdrfValues& derivative = all.derivatives.emplace_back(
-            mixed(directions, diffuse_fraction, sun.derivatives[p], sky.derivatives[p]));
-        static_cast<ResultReport&>(derivative) = {};
+
+    ResultReport report;
+    if (diffuse_fraction < 1.0) add_report(report, sun.values);
+    Factors diffuse, coarse;
+    std::vector<Factors> slopes(parameters.size());
+    if (diffuse_fraction > 0.0) {
+        const WithDerivatives<AlbedoValues> at_out = albedo();
+        if (sky.kind == Sky::Kind::uniform) {
+            add_report(report, at_out.values);
+            diffuse = under_uniform_sky(directions, at_out.values);
+            for (std::size_t p = 0; p < slopes.size(); ++p)
+                slopes[p] = under_uniform_sky(directions, at_out.derivatives[p]);
+        } else {
+            // Circumsolar light, lobes and glories are smooth beside the nodes, or the estimate
+            // says so.
+            constexpr int kCosines = 24, kAzimuths = 48;
+            const BrdfParts whole{.subsurface = false, .total = true};
+            const std::vector<double>& nm = brdf.wavelength_nm();
+            const SkyNodes few(kCosines / 2, kAzimuths / 2), nodes(kCosines, kAzimuths);
+            coarse = under_sky(directions, nm, sky, few,
+                               brdf.evaluate(few.directions(directions), whole), at_out.values);
+            const auto f = evaluate(nodes.directions(directions), whole);
+            add_report(report, f.values);
+            diffuse = under_sky(directions, nm, sky, nodes, f.values, at_out.values);
+            for (std::size_t p = 0; p < slopes.size(); ++p)
+                slopes[p] =
+                    under_sky(directions, nm, sky, nodes, f.derivatives[p], at_out.derivatives[p]);
+        }
     }
+    WithDerivatives<HdrfValues> all{
+        mixed(directions, diffuse_fraction, sun.values, diffuse), parameters, {}};
+    static_cast<ResultReport&>(all.values) = std::move(report);
+    if (!coarse.empty()) add_node_error(all.values, diffuse, coarse);
+    for (std::size_t p = 0; p < parameters.size(); ++p)
+        all.derivatives.push_back(
+            mixed(directions, diffuse_fraction, sun.derivatives[p], slopes[p]));
     return all;
 }
 

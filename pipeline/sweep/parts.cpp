@@ -105,7 +105,7 @@ Chunk Chunks::operator[](std::size_t number) const {
 std::string identity_of(const Sweep& sweep) {
     // The title and the text are for readers of tables; files in words count by their content.
     const auto& [title, words, dimensions, optical_dimensions, wavelength, incidence, reflection,
-                 azimuth, outputs, derivatives, viewing, diffuse_fraction, for_eradiate,
+                 azimuth, outputs, derivatives, viewing, diffuse_fraction, sky, table_layout,
                  scenes_per_chunk, text, folder] = sweep;
     JobKey key("sweep");
     key.add(kVersion).add(dimensions).add(optical_dimensions).add(scenes_per_chunk);
@@ -119,7 +119,12 @@ std::string identity_of(const Sweep& sweep) {
         .add(viewing.illuminant)
         .add(viewing.observer)
         .add(diffuse_fraction)
-        .add(for_eradiate)
+        .add(sky.kind)
+        .add(sky.wavelength_nm)
+        .add(sky.zenith_deg)
+        .add(sky.azimuth_deg)
+        .add(sky.values)
+        .add(table_layout)
         .hash();
 }
 

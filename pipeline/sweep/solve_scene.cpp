@@ -81,9 +81,7 @@ void add_brdf(const Brdf& brdf, const Part& part, Record& record) {
 void add_hdrf(const Brdf& brdf, const Part& part, Record& record) {
     const Directions directions = part.sweep.directions();
     const double share = part.sweep.diffuse_fraction;
-    const auto all = part.derivatives.empty()
-                         ? WithDerivatives<HdrfValues>{brdf.hdrf(directions, share), {}, {}}
-                         : hdrf_derivatives(brdf, part.derivatives, directions, share);
+    const auto all = hdrf_derivatives(brdf, part.derivatives, directions, share, part.sweep.sky);
     for (std::size_t w = 0; w < all.values.hdrf.size(); ++w) {
         record.set("hdrf", w, all.values.hdrf[w]);
         for (std::size_t p = 0; p < all.derivatives.size(); ++p)

@@ -64,6 +64,9 @@ enum class Output {
     emissivity,      ///< towards each mu_in, 1 - plane albedo (Kirchhoff)
 };
 
+/// How the values of a table are laid out: CF's conventions, eradiate.h, satellite.h.
+enum class TableLayout { cf, eradiate, isofit, isofit_surface, crtm_snow };
+
 struct Sweep {
     std::string title = {};
     std::vector<TemplateWord> words = {};
@@ -78,8 +81,9 @@ struct Sweep {
     /// words, n(NAME), k(NAME).
     std::vector<std::string> derivatives = {};
     Viewing viewing = {};
-    double diffuse_fraction = 0.0;     ///< of the light of hdrf, in [0, 1]
-    bool for_eradiate = false;         ///< layout of the table (eradiate.h)
+    double diffuse_fraction = 0.0;  ///< of the light of hdrf, in [0, 1]
+    Sky sky = {};                   ///< that this share comes from
+    TableLayout table_layout = TableLayout::cf;
     std::size_t scenes_per_chunk = 0;  ///< as the file says; 0: chosen
     std::string text = {};             ///< the file, for the provenance of tables
     std::string folder = {};           ///< of the file: files in its words are looked for there
@@ -88,6 +92,7 @@ struct Sweep {
     /// Scenes with the same place along the optical dimensions: they share Mie theory.
     std::size_t scenes_per_group() const;
     bool wants(Output output) const;
+    bool for_eradiate() const { return table_layout == TableLayout::eradiate; }
     /// Anything with directions of reflection.
     bool wants_matrices_or_brdf() const {
         return wants(Output::brdf) || wants(Output::mueller) || wants(Output::hdrf);

@@ -12,6 +12,7 @@
 
 #include "pipeline/sweep/axis_values.h"
 #include "pipeline/sweep/eradiate.h"
+#include "pipeline/sweep/satellite.h"
 
 namespace miebrdf::sweep {
 namespace {
@@ -161,7 +162,7 @@ void require_outputs(const Sweep& sweep) {
         require_axis(sweep.azimuth, "azimuth_deg", output);
     }
     const bool has_others = sweep.wants_spectra() || sweep.wants(Output::mueller);
-    if (!sweep.derivatives.empty() && (has_others || sweep.for_eradiate))
+    if (!sweep.derivatives.empty() && (has_others || sweep.for_eradiate()))
         throw UsageError(
             "derivatives exist for brdf, hdrf, albedos, emissivities and transmittances; leave "
             "out colour, contrast_ratio, mueller and layout = \"eradiate\"");
@@ -192,7 +193,7 @@ void place_axis(Sweep& sweep, Axis axis) {
         sweep.dimensions.push_back({name, {std::move(axis)}});
         return;
     }
-    require_range_of_name(axis, sweep.for_eradiate);
+    require_range_of_name(axis, sweep.for_eradiate());
     if (place->size() > 0)
         throw UsageError(fmt::format("axes '{}' and '{}' are the same direction; give one of them",
                                      place->name, axis.name));
@@ -274,7 +275,8 @@ void check_sweep(const Sweep& sweep) {
     for (const Axis* axis :
          {&sweep.wavelength, &sweep.incidence, &sweep.reflection, &sweep.azimuth})
         require_monotonic(*axis);
-    if (sweep.for_eradiate) require_eradiate_axes(sweep);
+    if (sweep.for_eradiate()) require_eradiate_axes(sweep);
+    require_satellite_axes(sweep);
 }
 
 }  // namespace miebrdf::sweep

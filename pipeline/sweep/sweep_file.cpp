@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
+#include <string_view>
 
 #include "pipeline/scene/toml_file.h"
 #include "pipeline/sweep/axis_values.h"
@@ -18,8 +20,11 @@ namespace {
 
 constexpr char kKind[] = "sweep file";
 const std::vector<std::string> kKeys = {
-    "title",   "scene", "axes",   "outputs",     "units",           "combine",
-    "viewing", "chunk", "layout", "derivatives", "diffuse_fraction"};
+    "title", "scene",  "axes",        "outputs",          "units", "combine", "viewing",
+    "chunk", "layout", "derivatives", "diffuse_fraction", "sky"};
+
+/// In the order of TableLayout.
+constexpr std::string_view kLayouts[] = {"cf", "eradiate", "isofit", "isofit-surface", "crtm-snow"};
 
 class SweepFile : TomlFile {
   public:
@@ -50,6 +55,12 @@ class SweepFile : TomlFile {
                     "sky in the light");
             });
         }
+        if (const std::string text = text_of(root(), "sky"); !text.empty()) {
+            if (!(sweep_.diffuse_fraction > 0.0))
+                refuse(*root().get("sky"),
+                       "'sky' is where the share diffuse_fraction of the light of hdrf comes from");
+            at(*root().get("sky"), [&] { sweep_.sky = sky(found_in(sweep_.folder, text)); });
+        }
         if (const toml::node* chunk = root().get("chunk")) {
             const auto count = chunk->value_exact<std::int64_t>();
             if (!count || *count < 1 || *count > 1'000'000)
@@ -68,10 +79,12 @@ class SweepFile : TomlFile {
 
     void read_layout() {
         const std::string layout = text_of(root(), "layout");
-        sweep_.for_eradiate = layout == "eradiate";
-        if (!sweep_.for_eradiate && !layout.empty() && layout != "cf")
-            refuse(*root().get("layout"),
-                   fmt::format("unknown layout '{}'; allowed: cf, eradiate", layout));
+        if (layout.empty()) return;
+        const auto found = std::find(std::begin(kLayouts), std::end(kLayouts), layout);
+        if (found == std::end(kLayouts))
+            refuse(*root().get("layout"), fmt::format("unknown layout '{}'; allowed: {}", layout,
+                                                      fmt::join(kLayouts, ", ")));
+        sweep_.table_layout = TableLayout(found - std::begin(kLayouts));
     }
 
     void read_axes() {

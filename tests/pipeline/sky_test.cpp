@@ -1,6 +1,7 @@
 // Reflectance factors under skies that are not uniform.
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
+#include <miebrdf/value_derivatives.h>
 
 #include <cmath>
 #include <numbers>
@@ -72,6 +73,24 @@ TEST_CASE("a table of one radiance is the uniform sky", "[pipeline][sky]") {
     CHECK(table.converged());
     for (std::size_t i = 0; i < 6; ++i)
         CHECK(table.hdrf[0][i] == Approx(uniform.hdrf[0][i]).epsilon(1e-3));
+}
+
+TEST_CASE("derivatives under a sky of one radiance are those of the uniform sky",
+          "[pipeline][sky][derivatives]") {
+    const support::TemporaryFolder folder;
+    Scene scene;
+    say(scene, "base", {"hg:{w=0.95},{g=0.6}"});
+    const Brdf brdf = solve(scene, {550}, {.tolerance = 1e-3, .streams = 16});
+    const Directions directions{{0.5}, {0.3, 0.9}, {0, 180}};
+    const Sky table = sky(folder.write("sky.csv", flat_sky()));
+    const auto by_table = hdrf_derivatives(brdf, {"w", "g"}, directions, 0.6, table);
+    const auto uniform = hdrf_derivatives(brdf, {"w", "g"}, directions, 0.6);  // by the albedo
+    for (std::size_t p = 0; p < 2; ++p) {
+        for (std::size_t i = 0; i < 4; ++i)
+            CHECK(by_table.derivatives[p].hdrf[0][i] ==
+                  Approx(uniform.derivatives[p].hdrf[0][i]).epsilon(2e-3));
+    }
+    CHECK(by_table.values.hdrf[0] == brdf.hdrf(directions, 0.6, table).hdrf[0]);
 }
 
 TEST_CASE("light from one ring of the sky is that of a sun there, from all sides",

@@ -81,6 +81,23 @@ def test_reflectance_under_a_sky_has_them():
         by.hdrf(0.5, 0.5, diffuse_fraction=1.5)
 
 
+def test_reflectance_under_a_sky():
+    solved = Scene(BASE, coats=COATS).solve([550, 650], **FIXED)
+    mixed = solved.hdrf(0.5, [0.3, 0.9], 40.0, diffuse_fraction=0.3)
+    expected = 0.7 * np.pi * np.asarray(solved.exact(0.5, [0.3, 0.9], 40.0))
+    expected += 0.3 * np.asarray(solved.albedo([0.3, 0.9]))
+    np.testing.assert_allclose(mixed, expected, rtol=1e-12)
+    ground = Scene(substrate="lambert:{a=0.4}")
+    for sky in "uniform", "cie-clear", "cie-overcast":
+        under = {"diffuse_fraction": 0.6, "sky": sky}
+        values = ground.solve(550).hdrf([0.5, 1], 0.8, 30.0, **under)
+        np.testing.assert_allclose(values, 0.4, rtol=1e-9)
+        slope = ground.derivatives(550, ["a"]).hdrf([0.5, 1], 0.8, 30.0, **under)["a"]
+        np.testing.assert_allclose(slope, 1.0, rtol=1e-9)
+    with pytest.raises(miebrdf.UsageError, match="cie-overcast"):
+        solved.hdrf(0.5, 0.5, diffuse_fraction=0.5, sky="blue")
+
+
 def test_colours_have_them():
     words = "index:1.6,{k=0.01},radius={r=0.08},variance=0.1"
 

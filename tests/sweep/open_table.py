@@ -11,6 +11,7 @@ import sys
 try:
     import netCDF4
     import numpy as np
+    import scipy.io
     import xarray as xr
 except ImportError as missing:
     print(f"skipped: {missing}")
@@ -81,6 +82,128 @@ def eradiate(program, folder):
     assert float(forward.isel(phi_d=2)) > 1.2 * float(forward.isel(phi_d=0))
 
 
+ISOFIT = """outputs = ["hdrf"]
+diffuse_fraction = 0
+layout = "isofit"
+[scene]
+base = "hg:{albedo},{long_name_g}"
+[axes]
+albedo = [0.5, 0.9]
+long_name_g = [0, 0.3, 0.6]
+theta_in_deg = [0, 30, 60]
+theta_out_deg = [0, 20]
+azimuth_deg = 90
+wavelength_nm = [500, 600, 700]
+"""
+
+
+CRTM = """outputs = ["plane_albedo"]
+layout = "crtm-snow"
+[scene]
+coat = "H2O_ice,radius={radius_um}@{depth_m}m"
+layer-density = "{density_kg_m3}"
+substrate = "lambert:0.2"
+tolerance = 1e-2
+[axes]
+density_kg_m3 = [100, 200, 300, 400]
+radius_um = [50, 100, 200, 500]
+depth_m = [0.001, 0.01, 0.1, 1]
+theta_in_deg = [0, 30, 60, 75]
+wavelength_nm = [1300, 1500, 1700, 1900, 2100]
+"""
+
+
+def rows_of(program, *words):
+    """Columns of what the program prints."""
+    run = subprocess.run([program, *words, "--no-cache"], capture_output=True, text=True,
+                         check=True)
+    lines = [line.split(",") for line in run.stdout.splitlines() if not line.startswith("#")]
+    return [dict(zip(lines[0], map(float, line))) for line in lines[1:]]
+
+
+def isofit(program, folder):
+    """What isofit/surface reads of its MAT-files, and how: LUTSurface, MultiComponentSurface."""
+    for layout in "isofit", "isofit-surface":
+        (folder / f"{layout}.toml").write_text(ISOFIT.replace('"isofit"', f'"{layout}"'))
+        (folder / f"{layout}.mat").unlink(missing_ok=True)
+        for _ in range(2):  # the second run finds it complete
+            run = subprocess.run([program, "sweep", str(folder / f"{layout}.toml"), "-o",
+                                  str(folder / f"{layout}.mat")], capture_output=True, text=True)
+            assert run.returncode == 0, run.stderr
+        assert "complete already" in run.stderr, run.stderr
+    model = scipy.io.loadmat(str(folder / "isofit.mat"))
+    names = [name.strip() for name in model["lut_names"]]
+    states = [name.strip() for name in model["statevec_names"]]
+    assert names[2:] == ["SOLZEN", "VIEWZEN"] and names[:2] == states, names
+    assert sorted(states) == ["albedo", "long_name_g"], states
+    grid = [axis[0] for axis in model["grids"][0]]
+    assert [list(axis) for axis in grid[2:]] == [[0, 30, 60], [0, 20]], grid
+    assert list(model["wl"][0]) == [500, 600, 700]
+    data = model["data"]
+    assert data.shape == tuple(len(axis) for axis in grid) + (3,), data.shape
+    assert model["bounds"].shape == (2, 2)
+    for s, state in enumerate(states):
+        low, high = grid[s][0], grid[s][-1]
+        assert list(model["bounds"][s]) == [low, high], state
+        assert model["mean"][0][s] == model["init"][0][s] == (low + high) / 2
+        assert model["sigma"][0][s] == model["scale"][0][s] == high - low
+    alone = rows_of(program, "brdf", "--base", "hg:0.9,0.3", "--wavelengths", "500", "--theta-in",
+                    "0,30,60", "--theta-out", "0,20", "--azimuth", "90")
+    at = tuple(list(grid[s]).index({"albedo": 0.9, "long_name_g": 0.3}[state])
+               for s, state in enumerate(states))
+    for i in range(3):
+        for o in range(2):
+            expected = np.pi * alone[2 * i + o]["brdf"]
+            assert np.allclose(data[at + (i, o)], expected, rtol=1e-3), (i, o)
+
+    component = scipy.io.loadmat(str(folder / "isofit-surface.mat"))
+    spectra = data.reshape(-1, 3)
+    assert component["means"].shape == (1, 3) and component["covs"].shape == (1, 3, 3)
+    assert np.allclose(component["means"][0], spectra.mean(axis=0), rtol=1e-12)
+    apart = component["covs"][0] - np.cov(spectra.T)
+    # What the error of the values adds to variances: at most the square of the tolerance.
+    assert np.allclose(apart, np.diag(np.diag(apart)), atol=1e-15)
+    assert (np.diag(apart) >= 0).all() and (np.diag(apart) <= 1e-6 * (spectra**2).max()).all()
+    assert component["normalize"] == "None" and list(component["refwl"][0]) == [500, 600, 700]
+
+
+def crtm(program, folder):
+    """Names, order and units that CRTM's module VISsnowCoeff_netCDF_IO reads."""
+    (folder / "crtm.toml").write_text(CRTM)
+    table = folder / "SNICAR.VISsnow.EmisCoeff.nc"
+    table.unlink(missing_ok=True)
+    for _ in range(2):
+        run = subprocess.run([program, "sweep", str(folder / "crtm.toml"), "-o", str(table)],
+                             capture_output=True, text=True)
+        assert run.returncode == 0, run.stderr
+    assert "complete already" in run.stderr, run.stderr
+    with netCDF4.Dataset(table) as raw:
+        assert int(raw.Release) == 1 and int(raw.Version) == 1
+        assert raw.Classification_Name == "SNICAR" and raw.Title and raw.History and raw.Comment
+        assert raw["Reflectance"].dimensions == ("n_Densities", "n_Depths", "n_Grain_Sizes",
+                                                 "n_Frequencies", "n_Angles")
+        for name, unit, values in (
+                ("Density", "kg/m^3", [100, 200, 300, 400]),
+                ("Depth", "meters", [0.001, 0.01, 0.1, 1]),
+                ("Grain_Size", "effective radius in microns (um)", [50, 100, 200, 500]),
+                ("Frequency", "inverse centimeters (cm^-1)",
+                 [1e7 / nm for nm in (2100, 1900, 1700, 1500, 1300)]),
+                ("Angle", "degrees from vertical", [0, 30, 60, 75])):
+            assert np.allclose(raw[name][:], values, rtol=1e-14), name
+            assert raw[name].units == unit and raw[name].dtype == "f8", name
+        reflectance = np.array(raw["Reflectance"][:])
+    alone = rows_of(program, "albedo", "--coat", "H2O_ice,radius=200@10mm", "--layer-density", "300",
+                    "--substrate", "lambert:0.2", "--wavelengths", "1300:2100:200", "--theta-in",
+                    "0,30,60,75", "--tolerance", "1e-2")
+    for row in alone:
+        if row["mu_in"] != row["mu_in"]:
+            continue
+        f = [2100, 1900, 1700, 1500, 1300].index(row["wavelength_nm"])
+        a = int(np.argmin(np.abs(np.cos(np.radians([0, 30, 60, 75])) - row["mu_in"])))
+        stored = reflectance[2, 1, 2, f, a]
+        assert abs(stored / row["plane_albedo"] - 1) <= 2e-2, (row, stored)
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
@@ -123,6 +246,8 @@ def main():
                           check=True)
     assert "double plane_albedo(medium, ground, albedo, wavelength_nm, mu_in)" in dump.stdout
     eradiate(program, folder)
+    isofit(program, folder)
+    crtm(program, folder)
     print("opened with xarray, netCDF4 and ncdump")
 
 

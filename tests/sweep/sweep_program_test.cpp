@@ -276,6 +276,17 @@ wavelength_nm = 11000
         if (table.number(row, "mu_in") != table.number(row, "mu_out")) continue;
         CHECK(table.number(row, "hdrf") == Approx(table.number(row, "plane_albedo")).epsilon(1e-9));
     }
+    // A Lambertian ground has its albedo under every sky.
+    support::run_ok("sweep " +
+                    folder.write("g.toml",
+                                 "outputs = [\"hdrf\"]\ndiffuse_fraction = 0.7\nsky = "
+                                 "\"cie-clear\"\n[scene]\nsubstrate = \"lambert:{a}\"\n[axes]\n"
+                                 "a = [0.2, 0.6]\nmu_in = 0.5\nmu_out = 0.9\nazimuth_deg = 0\n"
+                                 "wavelength_nm = 550\n") +
+                    " -o " + (folder / "g.csv"));
+    const auto ground = support::CsvOutput(bytes_of(folder / "g.csv"));
+    for (std::size_t row = 0; row < 2; ++row)
+        CHECK(ground.number(row, "hdrf") == Approx(ground.number(row, "a")).epsilon(1e-9));
     const auto refused = [&](const std::string& what, const std::string& with, const char* reason) {
         std::string bad = text;
         bad.replace(bad.find(what), what.size(), with);

@@ -158,11 +158,7 @@ WithDerivatives<BrdfValues> factors_of(const HdrfValues& values) {
 int write_hdrf(const Brdf& brdf, const BrdfQuestion& question, const Shell& shell) {
     const double share = *question.diffuse_fraction;
     const auto all =
-        question.derivatives.empty()
-            ? WithDerivatives<HdrfValues>{brdf.hdrf(question.directions, share, question.sky),
-                                          {},
-                                          {}}
-            : hdrf_derivatives(brdf, question.derivatives, question.directions, share);
+        hdrf_derivatives(brdf, question.derivatives, question.directions, share, question.sky);
     const HdrfValues& values = all.values;
     for (const std::string& note : values.notes) shell.note("note: " + note);
     if (question.viewing) return write_brdf_colours(brdf, question, factors_of(values), shell);

@@ -292,7 +292,9 @@ std::string message_of(const Error& error) {
         }
     }
     if (error.field() == "wavelength_nm" && dynamic_cast<const InputError*>(&error) != nullptr)
-        message += "; `miebrdf materials import` takes a table that goes further";
+        message +=
+            "; `miebrdf materials search TEXT --covers 300:5000` lists tables that go further, "
+            "`miebrdf materials import` takes your own";
     return message;
 }
 

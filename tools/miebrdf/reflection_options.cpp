@@ -167,10 +167,8 @@ BrdfQuestion BrdfArguments::parse() const {
     if (question.diffuse_fraction && question.columns != std::vector{BrdfPart::total})
         throw UsageError("--quantity hdrf is that of the whole; leave out --component");
     const bool has_matrix = question.request.solver.stokes > 1;
-    const bool has_sky = question.sky.kind != Sky::Kind::uniform;
     question.derivatives = parse_derivatives(
-        derivatives_, has_matrix ? "--stokes"
-                      : has_sky  ? "a --sky that is not uniform"
+        derivatives_, has_matrix                                      ? "--stokes"
                       : question.viewing && question.diffuse_fraction ? "--colour of the hdrf"
                                                                       : "");
     return question;

@@ -12,6 +12,7 @@
 #include "pipeline/sweep/layout.h"
 #include "pipeline/sweep/netcdf/netcdf_table.h"
 #include "pipeline/sweep/run.h"
+#include "pipeline/sweep/satellite.h"
 #include "pipeline/sweep/slurm.h"
 #include "pipeline/sweep/sweep_file.h"
 #include "pipeline/sweep/sweep_plan.h"
@@ -34,11 +35,17 @@ struct SweepArguments {
 bool is_netcdf(const std::string& table) { return fs::path(table).extension() == ".nc"; }
 
 /// Refuses what no table can be written to, before anything is computed for it.
-void require_table(const std::string& table) {
+void require_table(const sweep::Sweep& sweep, const std::string& table) {
     const std::string extension = fs::path(table).extension().string();
     if (table.empty() || table == "-")
         throw UsageError("sweep writes a file; give -o table.nc or -o table.csv");
-    if (extension != ".nc" && extension != ".csv") {
+    const bool is_mat = sweep::is_mat_file(sweep);
+    if (is_mat && extension != ".mat")
+        throw UsageError("layouts isofit and isofit-surface are MAT-files; give -o surface.mat");
+    if (!is_mat && sweep.table_layout != sweep::TableLayout::cf && extension != ".nc")
+        throw UsageError(fmt::format("layout {} is one of NetCDF; give -o table.nc",
+                                     sweep.for_eradiate() ? "eradiate" : "crtm-snow"));
+    if (!is_mat && extension != ".nc" && extension != ".csv") {
         throw UsageError(fmt::format(
             "'{}': unknown kind of table '{}'; allowed: .nc (NetCDF-4), .csv", table, extension));
     }
@@ -51,6 +58,9 @@ void require_table(const std::string& table) {
 std::unique_ptr<sweep::TableWriter> writer_of(const sweep::Sweep& sweep,
                                               const sweep::Layout& layout,
                                               const std::string& table) {
+    if (sweep::is_mat_file(sweep)) return sweep::make_isofit_writer(sweep, layout, table);
+    if (sweep.table_layout == sweep::TableLayout::crtm_snow)
+        return sweep::make_crtm_writer(sweep, layout, table);
     return is_netcdf(table) ? sweep::make_netcdf_writer(sweep, layout, table)
                             : sweep::make_csv_writer(sweep, layout, table);
 }
@@ -58,8 +68,9 @@ std::unique_ptr<sweep::TableWriter> writer_of(const sweep::Sweep& sweep,
 /// Whether the table is there already, whole: it appears when all parts are in it.
 bool is_complete(const sweep::Sweep& sweep, const std::string& table) {
     if (!fs::is_regular_file(table)) return false;
-    return (is_netcdf(table) ? sweep::identity_of_netcdf(table) : sweep::identity_of_csv(table)) ==
-           sweep::identity_of(sweep);
+    return (sweep::is_mat_file(sweep) ? sweep::identity_of_mat(table)
+            : is_netcdf(table)        ? sweep::identity_of_netcdf(table)
+                                      : sweep::identity_of_csv(table)) == sweep::identity_of(sweep);
 }
 
 Table plan_table(const sweep::SweepPlan& plan) {
@@ -257,10 +268,8 @@ void add_sweep(CLI::App& command, Shell& shell) {
         "-o snow.nc");
     shell.on_prepare(command, [arguments, &shell]() -> Job {
         require_one_task(*arguments);
-        if (!arguments->plan) require_table(shell.common().output);
         const sweep::Sweep sweep = sweep::read_sweep_file(arguments->file);
-        if (sweep.for_eradiate && !arguments->plan && !is_netcdf(shell.common().output))
-            throw UsageError("layout eradiate is one of NetCDF; give -o table.nc");
+        if (!arguments->plan) require_table(sweep, shell.common().output);
         if (!arguments->sbatch_parts)
             return [=, &shell] { return run_sweep(sweep, *arguments, shell); };
         return [=, &shell]() -> int {

@@ -5,6 +5,7 @@
 #include <miebrdf/sampling.h>
 #include <miebrdf/value_derivatives.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -172,20 +173,22 @@ class SolvedScene {
         return derivatives_of(std::move(values), all);
     }
 
-    /// @returns  the same of the reflectance factor under a sky
-    py::tuple hdrf_derivatives(const std::vector<std::string>& parameters, const Numbers& mu_in,
-                               const Numbers& mu_out, const Numbers& azimuth_deg,
-                               double diffuse_fraction, const CallOptions& options) const {
+    /// @returns  the same of the reflectance factor under a sky; without parameters its values
+    py::tuple hdrf(const std::vector<std::string>& parameters, const Numbers& mu_in,
+                   const Numbers& mu_out, const Numbers& azimuth_deg, double diffuse_fraction,
+                   const std::string& sky_name, const CallOptions& options) const {
+        const Sky sky = miebrdf::sky(sky_name);
         LongCall call(options);
         const auto all = call.run([&] {
-            return miebrdf::hdrf_derivatives(brdf(call.control()), parameters,
-                                             {mu_in, mu_out, azimuth_deg}, diffuse_fraction);
+            return hdrf_derivatives(brdf(call.control()), parameters, {mu_in, mu_out, azimuth_deg},
+                                    diffuse_fraction, sky);
         });
         Numbers values;
-        for (const HdrfValues& derivative : all.derivatives) {
-            for (const Numbers& at : derivative.hdrf)
-                values.insert(values.end(), at.begin(), at.end());
-        }
+        const auto add = [&](const HdrfValues& one) {
+            for (const Numbers& at : one.hdrf) values.insert(values.end(), at.begin(), at.end());
+        };
+        if (parameters.empty()) add(all.values);
+        for (const HdrfValues& derivative : all.derivatives) add(derivative);
         return derivatives_of(std::move(values), all);
     }
 
@@ -259,8 +262,9 @@ class SolvedScene {
         const auto length = [](const auto& list) { return static_cast<py::ssize_t>(list.size()); };
         const auto& [mu_in, mu_out, azimuth_deg] = all.values.directions;
         return py::make_tuple(
-            array_of(std::move(numbers), {length(all.parameters) * length(wavelength_nm_),
-                                          length(mu_in), length(mu_out), length(azimuth_deg)}),
+            array_of(std::move(numbers),
+                     {std::max(length(all.parameters), py::ssize_t{1}) * length(wavelength_nm_),
+                      length(mu_in), length(mu_out), length(azimuth_deg)}),
             facts_of(all.values));
     }
 
@@ -320,9 +324,9 @@ void bind_brdf(py::module_& module) {
         .def("evaluate_derivatives", &SolvedScene::evaluate_derivatives, py::arg("parameters"),
              py::arg("mu_in"), py::arg("mu_out"), py::arg("azimuth_deg"), py::arg("part"),
              py::arg("options"))
-        .def("hdrf_derivatives", &SolvedScene::hdrf_derivatives, py::arg("parameters"),
-             py::arg("mu_in"), py::arg("mu_out"), py::arg("azimuth_deg"),
-             py::arg("diffuse_fraction"), py::arg("options"))
+        .def("hdrf", &SolvedScene::hdrf, py::arg("parameters"), py::arg("mu_in"), py::arg("mu_out"),
+             py::arg("azimuth_deg"), py::arg("diffuse_fraction"), py::arg("sky"),
+             py::arg("options"))
         .def("albedo_derivatives", &SolvedScene::albedo_derivatives, py::arg("parameters"),
              py::arg("mu_in"), py::arg("options"))
         .def("layers", &SolvedScene::layers, py::arg("options"))

@@ -73,6 +73,7 @@ std::vector<double> read_sphere(const std::map<std::string, double>& sphere,
     SphereMeasurement spheres{.spheres = other.empty() ? 1 : 2};
     for (const auto& [word, value] : sphere) set_sphere_word(spheres, word, value);
     for (const auto& [word, value] : other) set_sphere_word(spheres, word, value, true);
+    if (spheres.lost_light) throw UsageError("lost_light: the sample is traced in fits alone");
     validate(spheres);
     std::vector<double> readings;
     for (std::size_t i = 0; i < light[0].size(); ++i)

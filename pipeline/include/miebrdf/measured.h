@@ -110,6 +110,8 @@ struct SphereMeasurement {
     /// Shares of the unscattered light that the sphere gets; below 1 by an open port.
     double unscattered_reflectance = 1.0, unscattered_transmittance = 1.0;
     double hits_wall = 0.0;            ///< share of the beam that misses the sample
+    double beam_mm = 0.0;              ///< mm, >= 0: its diameter; 0: a pencil
+    bool lost_light = false;           ///< in fits: light that leaves beside the ports is traced
     bool as_iad = false;               ///< normalised as iad 3 and 4 do (docs/fitting.md)
     std::vector<SphereRow> rows = {};  ///< wavelengths ascending, linear between them
 
@@ -120,8 +122,8 @@ struct SphereMeasurement {
 /// The reflectance, or transmittance, that is read off. @pre validate(spheres)
 double sphere_reading(const SphereMeasurement& spheres, bool transmitted, const SlabLight& light);
 /// Sets a number by its word: diameter, sample_port, third_port, detector_port (mm), wall,
-/// detector, standard, baffle and dual_beam (0 or 1), unscattered_reflectance,
-/// unscattered_transmittance, hits_wall.
+/// detector, standard, baffle, dual_beam and lost_light (0 or 1), unscattered_reflectance,
+/// unscattered_transmittance, hits_wall, beam (mm).
 /// @param other  of the sphere below alone
 /// @throws UsageError  for unknown words, and numbers out of range
 void set_sphere_word(SphereMeasurement& spheres, const std::string& word, double value,

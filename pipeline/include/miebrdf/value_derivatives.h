@@ -10,11 +10,13 @@
 #pragma GCC visibility push(default)
 namespace miebrdf {
 
-/// As Brdf::hdrf, and by numbers of the scene as Brdf::derivatives.
-/// @throws UsageError  as both
+/// As Brdf::hdrf, and by numbers of the scene as Brdf::derivatives; no parameters: the values
+/// alone.
+/// @throws UsageError, InputError  as both
 WithDerivatives<HdrfValues> hdrf_derivatives(const Brdf& brdf,
                                              const std::vector<std::string>& parameters,
-                                             const Directions& directions, double diffuse_fraction);
+                                             const Directions& directions, double diffuse_fraction,
+                                             const Sky& sky = {});
 
 /// How a colour changes with a number that its reflectance depends on; per unit of that number.
 struct ColourDerivative {

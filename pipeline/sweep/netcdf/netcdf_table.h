@@ -17,6 +17,10 @@ namespace miebrdf::sweep {
 std::unique_ptr<TableWriter> make_netcdf_writer(const Sweep& sweep, const Layout& layout,
                                                 const std::string& file);
 
+/// The layout of CRTM's snow (satellite.h).
+std::unique_ptr<TableWriter> make_crtm_writer(const Sweep& sweep, const Layout& layout,
+                                              const std::string& file);
+
 /// The identity of the sweep that a table is of; empty if it is none.
 std::string identity_of_netcdf(const std::string& file);
 

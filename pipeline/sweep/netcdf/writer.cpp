@@ -81,11 +81,11 @@ class NetcdfWriter : public TableWriter {
             }
         }
         for (const Axis* axis : asked_axes(sweep_)) {
-            if (sweep_.for_eradiate && axis == &sweep_.wavelength && axis->size() == 1) {
+            if (sweep_.for_eradiate() && axis == &sweep_.wavelength && axis->size() == 1) {
                 define_single(eradiate_axis(*axis));
                 continue;
             }
-            const Axis stored = sweep_.for_eradiate ? eradiate_axis(*axis) : *axis;
+            const Axis stored = sweep_.for_eradiate() ? eradiate_axis(*axis) : *axis;
             asked_[axis] = file_->define_dimension(stored.name, stored.size());
             define_axis(stored, asked_[axis]);
         }
@@ -122,7 +122,7 @@ class NetcdfWriter : public TableWriter {
         file_->put_text(variable, "long_name", long_name_of(axis));
         if (!axis.is_text())
             file_->put_text(variable, "units", axis.unit.empty() ? "1" : axis.unit);
-        if (axis.name == "wavelength_nm" || (sweep_.for_eradiate && axis.name == "w"))
+        if (axis.name == "wavelength_nm" || (sweep_.for_eradiate() && axis.name == "w"))
             file_->put_text(variable, "standard_name", "radiation_wavelength");
         if (axis.is_logarithmic) file_->put_text(variable, "spacing", "logarithmic");
         file_->end_definitions();
@@ -163,7 +163,7 @@ class NetcdfWriter : public TableWriter {
 
     /// The axes of a variable behind those of the scenes, as they are stored.
     std::vector<const Axis*> stored_axes(const Variable& variable) const {
-        if (!sweep_.for_eradiate || variable.axes.empty()) return variable.axes;
+        if (!sweep_.for_eradiate() || variable.axes.empty()) return variable.axes;
         std::vector<const Axis*> axes = {&sweep_.reflection, &sweep_.azimuth, &sweep_.incidence};
         if (sweep_.wavelength.size() > 1) axes.push_back(&sweep_.wavelength);
         return axes;
@@ -208,7 +208,7 @@ class NetcdfWriter : public TableWriter {
             }
             const double* values = result.values.data() + variable.offset;
             std::vector<double> ordered;
-            if (sweep_.for_eradiate) {
+            if (sweep_.for_eradiate()) {
                 ordered = in_eradiate_order(sweep_, values);
                 values = ordered.data();
             }

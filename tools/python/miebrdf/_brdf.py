@@ -164,6 +164,55 @@ class Brdf(Albedos):
             {**BRDF_ATTRIBUTES, "part": part},
         )
 
+    def hdrf(
+        self,
+        mu_in: ArrayLike | None = None,
+        mu_out: ArrayLike | None = None,
+        azimuth_deg: ArrayLike = 0.0,
+        *,
+        theta_in_deg: ArrayLike | None = None,
+        theta_out_deg: ArrayLike | None = None,
+        diffuse_fraction: float = 0.0,
+        sky: str = "uniform",
+    ) -> Values:
+        """The hemispherical-directional reflectance factor, as ``miebrdf brdf --quantity hdrf``.
+
+        Parameters
+        ----------
+        mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg
+            As of `Brdf`; ``mu_in`` is the sun's.
+        diffuse_fraction : float
+            Share of the sky in the light, 0 (sun alone) to 1.
+        sky : str
+            uniform, cie-clear, cie-overcast, or a CSV file ``zenith_deg,azimuth_deg,radiance``.
+
+        Returns
+        -------
+        xarray.DataArray or numpy.ndarray
+            Of shape ``(wavelengths, *broadcast directions)``; a white Lambertian surface has 1.
+
+        Raises
+        ------
+        UsageError
+            For directions and shares out of range, and for a sky over an opaque lobe.
+        InputError
+            For a file that is no sky.
+
+        Examples
+        --------
+        >>> b = Scene("hg:0.95,0.6").solve(550)
+        >>> b.hdrf(0.5, [0.3, 0.9], 180.0, diffuse_fraction=0.3, sky="cie-clear").shape
+        (2,)
+        """
+        return self._exactly(
+            lambda i, o, azimuth, options: self._solved.hdrf(
+                [], i, o, azimuth, diffuse_fraction, sky, options
+            ),
+            (mu_in, mu_out, azimuth_deg, theta_in_deg, theta_out_deg),
+            {"diffuse_fraction": diffuse_fraction, "sky": sky},
+            "hdrf",
+        )
+
     def mueller(
         self,
         mu_in: ArrayLike | None = None,

@@ -169,6 +169,7 @@ class Medium:
         variance: float | None,
         law: str | None,
         density_g_cm3: float | None,
+        layer_density_kg_m3: float | None,
     ) -> Medium: ...
     def with_amount(self, kind: str, value: float) -> Medium: ...
     def in_host(self, words: str) -> Medium: ...
@@ -337,13 +338,14 @@ class SolvedScene:
         part: str,
         options: CallOptions,
     ) -> tuple[_Floats, dict[str, Any]]: ...
-    def hdrf_derivatives(
+    def hdrf(
         self,
         parameters: Sequence[str],
         mu_in: Sequence[float],
         mu_out: Sequence[float],
         azimuth_deg: Sequence[float],
         diffuse_fraction: float,
+        sky: str,
         options: CallOptions,
     ) -> tuple[_Floats, dict[str, Any]]: ...
     def albedo_derivatives(

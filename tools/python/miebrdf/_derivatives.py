@@ -120,6 +120,7 @@ class Derivatives:
         theta_in_deg: ArrayLike | None = None,
         theta_out_deg: ArrayLike | None = None,
         diffuse_fraction: float = 0.0,
+        sky: str = "uniform",
     ) -> dict[str, Values]:
         """Of the reflectance factor under a sky, as ``miebrdf brdf --quantity hdrf``.
 
@@ -129,6 +130,8 @@ class Derivatives:
             As of `Brdf`; ``mu_in`` is the sun's.
         diffuse_fraction : float
             Share of the sky in the light, 0 (sun alone) to 1.
+        sky : str
+            As of `Brdf.hdrf`.
 
         Returns
         -------
@@ -151,8 +154,8 @@ class Derivatives:
             return self._by_name(empty, axes, {}, "hdrf")
         with Call(*self._call) as options:
             values, report = evaluate_exactly(
-                lambda i, o, azimuth: self._solved.hdrf_derivatives(
-                    self.names, i, o, azimuth, diffuse_fraction, options
+                lambda i, o, azimuth: self._solved.hdrf(
+                    self.names, i, o, azimuth, diffuse_fraction, sky, options
                 ),
                 axes,
             )

@@ -77,6 +77,7 @@ struct FitData {
     /// That made the values, of plane albedos and transmittances: they are what it reads.
     std::optional<SphereMeasurement> spheres = {};
     double diffuse_fraction = 0.0;  ///< of hdrf, in [0, 1]
+    Sky sky = {};                   ///< that this share comes from
     Viewing viewing = {};           ///< of Lab, of the plane albedo over 400 to 700 nm
 };
 
