@@ -101,11 +101,11 @@ struct Truth {
     std::vector<double> phase, phase_noise, noise = std::vector<double>(3);
 };
 
-// n(r) r^3, of which the sum over equal steps of ln r has the area.
+// n(r) r^3 over its value at r = a, of which the sum over equal steps of ln r has the area. As the
+// exponential of a sum, because exp(-1 / b) alone is 0 at small variances.
 double area_density(const mie::SizeDistribution& sizes, double r) {
     const double a = sizes.effective_radius_um, b = sizes.effective_variance;
-    if (sizes.kind == Kind::gamma)
-        return std::pow(r / a, (1 - 3 * b) / b + 3) * std::exp(-r / (a * b));
+    if (sizes.kind == Kind::gamma) return std::exp(std::log(r / a) / b - (r - a) / (a * b));
     if (sizes.kind == Kind::log_normal) {
         const double variance = std::log(1 + b), median = a * std::pow(1 + b, -2.5);
         return r * r * std::exp(-std::pow(std::log(r / median), 2) / (2 * variance));
