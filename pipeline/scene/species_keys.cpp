@@ -327,8 +327,8 @@ double parse_length_um(std::string_view text, const std::string& what) {
 }
 
 double parse_layer_density(std::string_view text, const std::string& what) {
-    constexpr Unit kDensities[] = {{"kg/m3", 1, 1}, {"g/cm3", 1000, 1}, {"", 1, 1}};
-    return parse_quantity(text, what, kDensities);
+    constexpr Unit kLayerDensities[] = {{"kg/m3", 1, 1}, {"g/cm3", 1000, 1}, {"", 1, 1}};
+    return parse_quantity(text, what, kLayerDensities);
 }
 
 mie::SizeDistribution sizes_of(const Species& species, const ParticleOptions& of_scene) {
