@@ -3,19 +3,15 @@
     studio_browser.py MIEBRDF CHROMIUM [FOLDER for screenshots] [CHANGES to time]
 """
 
-import base64
-import csv
 import json
 import math
-import os
 import pathlib
 import signal
 import statistics
-import subprocess
 import sys
-import tempfile
 import time
 
+from chromium import Browser, solved, table
 from studio_process import Studio, check, failures
 
 PROGRAM, CHROMIUM = sys.argv[1:3]
@@ -24,158 +20,32 @@ CHANGES = int(sys.argv[4]) if len(sys.argv) > 4 else 0
 ALLOWED = 1e-3  # of a value: the promise of the page's tables, of the largest at an incidence
 
 
-class Browser:
-    """The DevTools protocol over pipes: JSON, each message ended by a zero."""
-
-    def __init__(self, size):
-        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-        to_read, self.to = os.pipe()
-        self.come_from, from_write = os.pipe()
-
-        def pipes():
-            os.dup2(to_read, 3)
-            os.dup2(from_write, 4)
-
-        # Both ends are moved above 4 first: dup2 of one would close the other.
-        to_read, from_write = (os.dup(os.dup(os.dup(fd))) if fd < 10 else fd for fd in (to_read, from_write))
-        self.process = subprocess.Popen(
-            [CHROMIUM, "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-             "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-             f"--user-data-dir={self.profile.name}", f"--window-size={size}", "--remote-debugging-pipe", "about:blank"],
-            preexec_fn=pipes, close_fds=False, stderr=subprocess.DEVNULL)
-        os.close(to_read)
-        os.close(from_write)
-        self.buffer, self.number, self.session, self.problems = b"", 0, None, []
-        pages = [t for t in self.send("Target.getTargets")["targetInfos"] if t["type"] == "page"]
-        target = pages[0]["targetId"]
-        self.session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Accessibility"):
-            self.send(f"{domain}.enable")
-        self.send("Emulation.setFocusEmulationEnabled", enabled=True)
-
-    def send(self, method, **parameters):
-        self.number += 1
-        message = {"id": self.number, "method": method, "params": parameters}
-        if self.session:
-            message["sessionId"] = self.session
-        os.write(self.to, json.dumps(message).encode() + b"\0")
-        while True:
-            while b"\0" not in self.buffer:
-                got = os.read(self.come_from, 1 << 20)
-                if not got:
-                    raise SystemExit("the browser has ended")
-                self.buffer += got
-            text, self.buffer = self.buffer.split(b"\0", 1)
-            reply = json.loads(text)
-            if reply.get("method") == "Runtime.exceptionThrown":
-                self.problems.append(reply["params"]["exceptionDetails"].get("exception", {}).get("description", "?"))
-            if reply.get("id") == self.number:
-                if "error" in reply:
-                    raise SystemExit(f"{method}: {reply['error']}")
-                return reply["result"]
-
-    def run(self, script):
-        result = self.send("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
-        if "exceptionDetails" in result:
-            raise SystemExit(f"{script}: {result['exceptionDetails']}")
-        return result["result"].get("value")
-
-    def wait(self, condition, what, seconds=60):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            if self.run(f"Boolean({condition})"):
-                return True
-            time.sleep(0.02)
-        check(False, f"{what}: not within {seconds} s ({self.run('document.body.innerText.slice(0, 300)')!r})")
-        return False
-
-    def open(self, address):
-        self.send("Page.navigate", url=address)
-        self.wait("document.body && document.body.dataset.ready", "the page stands")
-
-    def key(self, key, code=0, modifiers=0):
-        text = {"Enter": "\r", " ": " "}.get(key, "")
-        self.send("Input.dispatchKeyEvent", type="keyDown", key=key, windowsVirtualKeyCode=code, modifiers=modifiers, text=text)
-        self.send("Input.dispatchKeyEvent", type="keyUp", key=key, windowsVirtualKeyCode=code, modifiers=modifiers)
-
-    def tab_to(self, selector):
-        """By the tabulator alone, as somebody without a mouse."""
-        for _ in range(120):
-            self.key("Tab", 9)
-            if self.run(f"document.activeElement.matches({json.dumps(selector)})"):
-                return True
-        check(False, f"the tabulator reaches {selector}")
-        return False
-
-    def replace_text(self, text):
-        self.key("a", 65, 2)
-        self.run("document.activeElement.select?.()")
-        self.send("Input.insertText", text=text)
-        self.key("Enter", 13)
-
-    def click(self, selector):
-        x, y = self.run(f"(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}}); "
-                        "const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()")
-        for kind in ("mousePressed", "mouseReleased"):
-            self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
-
-    def type(self, selector, text):
-        self.click(selector)
-        self.run("document.activeElement.select()")
-        self.send("Input.insertText", text=text)
-        self.key("Enter", 13)
-        self.run("document.activeElement.blur()")
-
-    def size(self, width, height, scheme="light"):
-        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
-        self.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-
-    def picture(self, name):
-        if PICTURES:
-            time.sleep(0.3)
-            PICTURES.mkdir(exist_ok=True)
-            (PICTURES / f"{name}.png").write_bytes(base64.b64decode(self.send("Page.captureScreenshot")["data"]))
-
-    def close(self):
-        self.process.kill()
-        self.process.wait()
-
-
-def solved(browser, what, does):
-    """Runs `does` and waits for the real solution that follows."""
-    before = browser.run("Number(document.body.dataset.solved || 0)")
-    does()
-    return browser.wait(f"Number(document.body.dataset.solved || 0) > {before} && !document.body.classList.contains('preview') "
-                        "&& document.getElementById('studio-status').textContent.startsWith('solved')", what)
-
-
-def table(*words):
-    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(done.stderr)
-    return list(csv.DictReader(line for line in done.stdout.splitlines() if not line.startswith("#")))
-
-
 def check_value(browser, scene, what):
     """The value that is read on the page against the program's own."""
     shown = float(browser.run("document.querySelector('[data-key=brdf]').dataset.value"))
     lab = browser.run("document.querySelector('#studio-colours [data-light=diffuse] [data-key=Lab]').textContent")
     view = browser.run("({...App.view})")
     mu_in, mu_out = (math.cos(math.radians(view[k])) for k in ("thetaIn", "thetaOut"))
-    rows = table("brdf", *scene, "--wavelengths", str(view["wavelength"]), "--mu-in", repr(mu_in),
+    rows = table(PROGRAM, "brdf", *scene, "--wavelengths", str(view["wavelength"]), "--mu-in", repr(mu_in),
                  "--mu-out", ",".join([repr(mu_out), "0.1", "0.3", "0.5", "0.95"]), "--azimuth", f"{view['azimuth']},90,180")
     values = [float(r["brdf"]) for r in rows]
     # Solved twice, at other directions: each to its tolerance.
     worst = abs(shown - values[0]) / max(values)
     check(worst <= 2 * ALLOWED, f"{what}: BRDF as in `brdf` ({worst:.1e} of the largest)")
-    colour = table("albedo", *scene, "--wavelengths", "400:700:20", "--colour", "d65", "--mu-in", "1")
+    colour = table(PROGRAM, "albedo", *scene, "--wavelengths", "400:700:20", "--colour", "d65", "--mu-in", "1")
     row = next(r for r in colour if r["quantity"] == "spherical_albedo")
     off = max(abs(float(a) - float(row[k])) for a, k in zip(lab.replace("−", "-").split(), ("lab_l", "lab_a", "lab_b")))
     check(off <= 0.15, f"{what}: Lab as in `albedo --colour` ({off:.2f})")
 
 
+def words_of(browser):
+    """The scene on the page as words of the command line."""
+    return [text for name, values in browser.run("Studio.words").items() for value in values
+            for text in ([f"--{name}"] if value is True else [f"--{name}", value]) if name not in ("wavelengths", "tolerance")]
+
+
 studio = Studio(PROGRAM)
-browser = Browser("1280,900")
+browser = Browser(CHROMIUM, "1280,900", PICTURES)
 browser.size(1280, 900)
 browser.open(studio.address)
 solved(browser, "the tolerance by its field", lambda: browser.run("(() => { const e = [...document.querySelectorAll('#studio-method input')][1]; e.value = '0.001'; e.dispatchEvent(new Event('change')); })()"))
@@ -225,6 +95,30 @@ browser.run("document.querySelector(\"[data-layer='bottom'] input[type=text]\").
 solved(browser, "and one is taken", lambda: browser.click("#studio-found button"))
 check(browser.run("Studio.model.bottom").startswith("Fe2O3"), f"its name stands in the words ({browser.run('Studio.model.bottom')})")
 
+browser.wait("document.querySelector('#studio-found .chip[data-of=pigment]')", "with chips of their colours")
+chip = browser.run("getComputedStyle(document.querySelector('#studio-found [data-chip=Fe2O3]')).backgroundColor")
+red, _, blue = (int(v) for v in chip[4:-1].split(","))
+check(red > 2 * blue, f"haematite's is red ({chip})")
+browser.picture("chips")
+
+# Shells have sliders of their own.
+shell = "[data-layer='bottom'] input[type=range][aria-label='Coating of SiO2, nm']"
+solved(browser, "a coated sphere", lambda: browser.type("[data-layer='bottom'] input[type=text]", "TiO2,radius=0.12,coating=SiO2@5nm,coating=index:1.6,0.01@10%"))
+check(browser.run("[...document.querySelectorAll(\"[data-layer='bottom'] input[type=range]\")].map((e) => e.ariaLabel)") ==
+      ["Radius, µm", "Coating of SiO2, nm", "n", "k", "Coating of index:1.6,0.01, %"], "each shell has a slider")
+
+
+def thicken():
+    browser.run(f"document.querySelector({json.dumps(shell)}).focus()")
+    for _ in range(10):
+        browser.key("ArrowRight", 39)
+
+
+solved(browser, "a thicker shell by the keyboard", thicken)
+words = browser.run("Studio.model.bottom")
+check(5 < float(words.split("SiO2@")[1].split("nm")[0]) < 6 and words.endswith("@10%"), f"its thickness stands in the words ({words})")
+check_value(browser, words_of(browser), "a coated sphere")
+
 # A scene from nothing, by the keyboard alone.
 browser.open(studio.address)
 browser.run("document.activeElement.blur()")
@@ -243,10 +137,7 @@ top = browser.run("Studio.model.layers.length") - 1
 solved(browser, "its medium by the keyboard",
        lambda: browser.tab_to(f"[data-layer='{top}'] > input[type=text]") and browser.replace_text("Au,radius=0.02"))
 check(browser.run(f"Studio.model.layers[{top}].words") == "Au,radius=0.02", "gold lies on the preset")
-scene = browser.run("Studio.words")
-words = [text for name, values in scene.items() for value in values for text in ([f"--{name}"] if value is True else [f"--{name}", value])
-         if name not in ("wavelengths", "tolerance")]
-check_value(browser, words, "a scene by the keyboard")
+check_value(browser, words_of(browser), "a scene by the keyboard")
 
 # Two scenes beside each other.
 browser.click("#studio-keep")
@@ -259,7 +150,7 @@ browser.wait("document.querySelectorAll('#objects .card').length === 1", "one sc
 
 # Measured points, and a fit of them.
 TRUE_RADIUS = 0.16
-made = table("albedo", "--base", f"Fe2O3,radius={TRUE_RADIUS} in index:1.5", "--wavelengths", "420:680:20", "--mu-in", "0.8660254")
+made = table(PROGRAM, "albedo", "--base", f"Fe2O3,radius={TRUE_RADIUS} in index:1.5", "--wavelengths", "420:680:20", "--mu-in", "0.8660254")
 points = "wavelength_nm,plane_albedo\n" + "".join(f"{r['wavelength_nm']},{r['plane_albedo']}\n" for r in made)
 browser.run("""(() => { const dt = new DataTransfer(); dt.items.add(new File([%s], 'sample.csv'));
     document.dispatchEvent(new DragEvent('drop', { dataTransfer: dt, bubbles: true, cancelable: true })); })()""" % json.dumps(points))
@@ -277,7 +168,7 @@ check(abs(fitted / TRUE_RADIUS - 1) <= 0.01 and "±" in said, f"it finds the rad
 browser.picture("fitted")
 
 # Two tabs, and no WebGL.
-other = Browser("1280,900")
+other = Browser(CHROMIUM, "1280,900", PICTURES)
 other.size(1280, 900)
 other.open(studio.address + "&flat")
 check(other.run("document.getElementById('object-hint').textContent").endswith("processor.)"), "the page works without WebGL")
@@ -306,6 +197,17 @@ for width, height, scheme in [(1280, 900, "light"), (1280, 900, "dark"), (390, 8
     over = browser.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
     check(over <= 0, f"{width} px, {scheme}: nothing stands over the edge ({over} px)")
     browser.picture(f"{width}-{scheme}")
+browser.tab_to("#c-object")
+for _ in range(3):
+    browser.key("ArrowDown", 40)
+browser.wait("document.querySelector('.drawdown .chart-halves:not([hidden])')", "its film is drawn down, by the keyboard")
+solved(browser, "without its layer", lambda: browser.click("[data-layer='0'] input[type=checkbox]"))
+browser.wait("document.querySelector('.drawdown p').textContent.includes('no film')", "a base alone says why it has no drawdown")
+solved(browser, "and with it", lambda: browser.click("[data-layer='0'] input[type=checkbox]"))
+browser.wait("document.querySelector('.drawdown .chart-halves:not([hidden])')", "the drawdown again")
+over = browser.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+check(over <= 0, f"390 px, drawdown: nothing stands over the edge ({over} px)")
+browser.picture("390-drawdown")
 nodes = browser.send("Accessibility.getFullAXTree")["nodes"]
 unnamed = [n["role"]["value"] for n in nodes if not n.get("ignored") and n.get("role", {}).get("value") in ("button", "slider", "textbox", "combobox", "checkbox", "searchbox")
            and not n.get("name", {}).get("value")]

@@ -4,6 +4,7 @@
 """
 
 import base64
+import csv
 import json
 import math
 import os
@@ -152,6 +153,34 @@ for kind, start in [("albedo", b"# version"), ("report", b"<!DOCTYPE html>"), ("
 check(studio.post("/api/write", {"words": SCENE, "kind": "../../x"})[0] == 422, "no kind of its own making is written")
 status, said = studio.post("/api/materials", {"text": "gold"})
 check(status == 200 and any(m["name"] == "Au" for m in said["materials"]), "gold is found")
+chips = studio.post("/api/chips", {"names": ["Au", "Ag", "Fe2O3", "TiO2", "H2O", "NoSuchThing", "hg:/etc/passwd"]})[1]["chips"]
+rgb = {name: [int(chip["hex"][k:k + 2], 16) for k in (1, 3, 5)] for name, chip in chips.items() if chip}
+check(chips["Au"]["of"] == chips["Ag"]["of"] == "mirror" and rgb["Au"][0] > rgb["Au"][1] > rgb["Au"][2] and max(rgb["Ag"]) - min(rgb["Ag"]) <= 20,
+      f"gold's chip is a yellow mirror, silver's a grey one {rgb}")
+check(chips["Fe2O3"]["of"] == chips["TiO2"]["of"] == "pigment" and rgb["Fe2O3"][0] > 2 * rgb["Fe2O3"][2] and min(rgb["TiO2"]) > 220,
+      "haematite's is a red pigment, rutile's a white one")
+check(chips["NoSuchThing"] is None and chips["hg:/etc/passwd"] is None, "what is not in the database has none")
+check(studio.post("/api/chips", {"names": [str(k) for k in range(41)]})[0] == 422, "41 chips at once are refused")
+
+# Drawdowns.
+MU_OF_SPHERE = math.cos(math.radians(8))
+FILM = "TiO2,radius=0.13,volume=5% in PMMA@30um"
+film = {"coat": [FILM], "boundary": ["smooth"], "missing-k-zero": [True], "wavelengths": ["400:700:20"]}
+alone = ["--coat", FILM, "--boundary", "smooth", "--missing-k-zero", "--wavelengths", "400:700:20"]
+for light in ("d65", "a"):
+    made = subprocess.run([PROGRAM, "albedo", *alone, "--over", "black,white", "--colour", light, "--mu-in", repr(MU_OF_SPHERE)],
+                          capture_output=True, text=True, check=True).stdout
+    row = next(csv.DictReader(line for line in made.splitlines() if not line.startswith("#")))
+    status, said = studio.post("/api/drawdown", {"words": {**film, "substrate": ["lambert:0.05"], "tolerance": ["0.001"]}, "light": light})
+    off = max(abs(said[a] / float(row[b]) - 1) for a, b in (("contrast_ratio", "contrast_ratio"), ("thickness_um", "hiding_thickness_um"), ("relative_depth", "hiding_relative_depth")))
+    check(status == 200 and said["converged"] and off <= 1e-3, f"a drawdown in light {light} is that of `albedo --over` ({off:.1e}; contrast {said.get('contrast_ratio')})")
+status, quick = studio.post("/api/drawdown", {"words": {**film, "substrate": ["lambert:0.05"]}, "preview": True})
+check(status == 200 and quick["thickness_um"] is None and abs(quick["contrast_ratio"] - float(said["contrast_ratio"])) <= 0.03, "a preview has its contrast alone")
+for words, what in ((SCENE | {"coat": []}, "a base alone"), ({"base": ["TiO2,radius=0.2"], "coat": ["Au,radius=0.03@inf"]}, "a layer without end")):
+    status, said = studio.post("/api/drawdown", {"words": {**words, "wavelengths": ["400:700:20"]}})
+    check(status == 422 and "no film" in said["error"], f"{what} says why it has none: {said.get('error', '')[:90]}")
+status, said = studio.post("/api/drawdown", {"words": {**film, "substrate": ["black"], "wavelengths": ["550"]}})
+check(status == 422 and "eight wavelengths" in said["error"], "so does one wavelength")
 check(studio.post("/api/save", {"words": SCENE, "view": {"a": 1}})[0] == 200, "the scene is saved")
 
 # Measured files and fits.
@@ -190,14 +219,15 @@ def anything(depth=0):
 bad = []
 for number in range(FUZZED):
     words = {random.choice(names): [random.choice(texts)] if random.random() < 0.7 else anything() for _ in range(random.randrange(4))}
-    asked = {"words": words, "preview": True, "kind": anything(), "text": anything(), "view": anything(), "tab": anything()}
+    asked = {"words": words, "preview": True, "kind": anything(), "text": anything(), "view": anything(), "tab": anything(), "light": anything(), "names": anything()}
     if random.random() < 0.3:
         asked = anything()
     body = json.dumps(asked)
     if random.random() < 0.2:
         at = random.randrange(len(body))
         body = body[:at] + random.choice(["\x00", "{", "\"", "\\", "9" * 50]) + body[at + 1:]
-    path = random.choice(["/api/solve", "/api/save", "/api/texts", "/api/materials", "/api/write", "/api/state", "/api/measured", "/api/fit"])
+    path = random.choice(["/api/solve", "/api/save", "/api/texts", "/api/materials", "/api/write", "/api/state", "/api/measured", "/api/fit",
+                          "/api/drawdown", "/api/chips"])
     if path == "/api/measured" and random.random() < 0.8:
         content = random.randbytes(random.randrange(200)) if random.random() < 0.5 else random.choice(["wavelength_nm,value\n", "<CxF>", "{", "PK\x03\x04"]).encode() + random.randbytes(60)
         body = json.dumps({"name": random.choice([*texts, "a.csv", "a.cxf", "a.mat", "a.asd"]), "content": base64.b64encode(content).decode()})

@@ -29,6 +29,7 @@
 #include "tools/miebrdf/result_facts.h"
 #include "tools/miebrdf/run_command.h"
 #include "tools/miebrdf/scratch_folder.h"
+#include "tools/miebrdf/studio_colour.h"
 #include "tools/miebrdf/studio_measured.h"
 #include "tools/miebrdf/studio_scene.h"
 #include "tools/miebrdf/studio_server.h"
@@ -242,19 +243,43 @@ class Studio {
         return reply({{"materials", found}});
     }
 
-    /// Of one tab the last request alone is solved.
-    HttpReply solve(const json& asked) {
-        const SaidWords said = words_from_page(asked.at("words"));
+    /// Colours of materials, each computed once.
+    HttpReply chips(const json& asked) {
+        const auto names = asked.at("names").get<std::vector<std::string>>();
+        if (names.size() > kMostMaterials)
+            throw UsageError("names", double(names.size()), "at most 40 materials at once");
+        return reply({{"chips", chips_.of(names, bare_control())}});
+    }
+
+    /// A page's words as its pictures are solved.
+    static Request picture_of(const SaidWords& said, bool is_preview) {
         Request request = request_of_page(said);
-        const bool is_preview = asked.value("preview", false);
         if (said.count("tolerance") == 0) request.solver.tolerance = kPictureTolerance;
         if (is_preview) {
             request.solver.tolerance = std::max(request.solver.tolerance, kPreviewTolerance);
             request.solver.stokes = 1;
         }
+        return request;
+    }
+
+    /// Of one tab the last request alone is solved.
+    HttpReply solve(const json& asked) {
+        const SaidWords said = words_from_page(asked.at("words"));
+        const bool is_preview = asked.value("preview", false);
+        const Request request = picture_of(said, is_preview);
         return in_turn(asked, [&](Control control) {
             control.memo = memo_for(request, is_preview);
             return solved_page(said, request, is_preview, control);
+        });
+    }
+
+    HttpReply drawdown(const json& asked) {
+        const bool is_preview = asked.value("preview", false);
+        const Request request = picture_of(words_from_page(asked.at("words")), is_preview);
+        const Viewing light = viewing(asked.value("light", std::string("d65")));
+        return in_turn(asked, [&](Control control) {
+            control.memo = memo_for(request, is_preview);
+            return reply(drawdown_for_page(request, light, is_preview, control));
         });
     }
 
@@ -308,11 +333,7 @@ class Studio {
         const int number = newest(tab);
         const std::lock_guard one(solving_);
         const auto end = Clock::now() + kMostSolving;
-        Control control = shell_.control();
-        control.progress = {};
-        control.job_begun = {};
-        control.piece_done = {};
-        control.cache = {};  // a hundred results of each change, seldom wanted again
+        Control control = bare_control();
         control.is_cancelled = [=, this, is_stopped = control.is_cancelled] {
             return is_stopped() || is_stale(tab, number) || Clock::now() > end;
         };
@@ -326,6 +347,17 @@ class Studio {
                             "less, `miebrdf run` takes as long as it needs",
                             kMostSolving.count()));
         }
+    }
+
+    /// Without progress, and without the cache: a hundred results of each change, seldom wanted
+    /// again.
+    Control bare_control() const {
+        Control control = shell_.control();
+        control.progress = {};
+        control.job_begun = {};
+        control.piece_done = {};
+        control.cache = {};
+        return control;
     }
 
     static std::vector<std::string> format_names() {
@@ -387,6 +419,7 @@ class Studio {
     json words_;
     std::string view_;
     std::map<std::string, int> tabs_;
+    MaterialChips chips_;
     std::mutex solving_;  ///< one scene at a time, on all processors
 };
 
@@ -394,7 +427,8 @@ const std::vector<std::pair<const char*, Studio::Does>> Studio::kPaths = {
     {"/api/state", &Studio::get_state},   {"/api/save", &Studio::put_state},
     {"/api/texts", &Studio::texts},       {"/api/materials", &Studio::materials},
     {"/api/solve", &Studio::solve},       {"/api/write", &Studio::write},
-    {"/api/measured", &Studio::measured}, {"/api/fit", &Studio::fit}};
+    {"/api/measured", &Studio::measured}, {"/api/fit", &Studio::fit},
+    {"/api/drawdown", &Studio::drawdown}, {"/api/chips", &Studio::chips}};
 
 /// By the desktop's own choice; where there is none, the address is on the terminal.
 void open_in_browser(const std::string& address) {

@@ -133,8 +133,9 @@ const App = (() => {
       const card = tag('div', { class: 'card object', 'data-scene': scene.index }), stage = tag('div', { class: 'stage', role: 'img' });
       stage.setAttribute('aria-label', `${scene.description}, lit. Arrow keys turn it, with Shift they move the lamp.`);
       const canvas = tag('canvas'), marker = tag('div', { class: 'marker' });
+      const film = tag('div', { class: 'drawdown', hidden: '' });
       stage.append(canvas, marker);
-      card.append(tag('h3', {}, scene.name), stage);
+      card.append(tag('h3', {}, scene.name), stage, film);
       $('objects').append(card);
       const made = ObjectView.make(canvas, wants3d);
       marker.hidden = true;
@@ -150,7 +151,7 @@ const App = (() => {
         Controls.refresh();
         changed('picture');
       }, (x, y) => pick(made.drawn.normalAt(x, y), x, y));
-      return { scene, stage, marker, ...made };
+      return { scene, stage, marker, film, ...made };
     });
     const is3d = objects.every((o) => o.is3d);
     function pick(normal, x, y) {
@@ -160,17 +161,20 @@ const App = (() => {
       Controls.refresh();
       changed('point', 'lobe', 'albedo', 'marker');
     }
-    $('object-hint').textContent = 'Drag to turn; with Shift, or by its two sliders, the lamp moves. Click a place to read its directions, its value and its colour.' +
+    const hintOfObject = 'Drag to turn; with Shift, or by its two sliders, the lamp moves. Click a place to read its directions, its value and its colour.' +
       (is3d ? '' : ' (Without WebGL 2: a sphere drawn by the processor.)');
+    // The studio draws the film of a scene down on a contrast chart, too.
+    const drawsDown = () => view.object === 'drawdown' && typeof Drawdown !== 'undefined';
     const row = $('picture-controls');
     if (coloured) Controls.list(row, view, { key: 'show', label: 'Picture shows', choices: [['colour', 'its colour'], ['wavelength', 'one wavelength']] }, onControl);
-    if (is3d) Controls.list(row, view, { key: 'object', label: 'Object', choices: [['sphere', 'sphere'], ['knot', 'knot'], ['vase', 'vase']] }, onControl);
+    const shapes = [['sphere', 'sphere'], ...(is3d ? [['knot', 'knot'], ['vase', 'vase']] : []), ...(typeof Drawdown === 'undefined' ? [] : [['drawdown', 'drawdown on black and white']])];
+    if (shapes.length > 1) Controls.list(row, view, { key: 'object', label: 'Object', choices: shapes }, onControl);
     Controls.slider(row, view, { key: 'lampYaw', label: 'Lamp left, right', min: -180, max: 180, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
     Controls.slider(row, view, { key: 'lampPitch', label: 'Lamp down, up', min: -89, max: 89, step: 1, text: (v) => degrees(Math.round(v)) }, onControl);
     Controls.slider(row, view, { key: 'sky', label: 'Light from all around', min: 0, max: 1, step: 0.05, text: (v) => `${Math.round(100 * v)} %` }, onControl);
     Controls.list(row, view, { key: 'surroundings', label: 'Surroundings', choices: [['room', 'room with two lights'], ['even', 'even sky']] }, onControl);
     Controls.slider(row, view, { key: 'exposure', label: 'Exposure', min: -4, max: 4, step: 0.25, text: (v) => `${v > 0 ? '+' : ''}${v} EV`.replace('-', '−') }, onControl);
-    const noteOfPicture = () => 'One distant lamp, no shadows cast, no light from one part to another. A white matt surface that faces the lamp is white at 0 EV; ' +
+    const noteOfPicture = () => drawsDown() ? 'Light from all around. The layers of the scene lie on the chart in place of what is below them.' : 'One distant lamp, no shadows cast, no light from one part to another. A white matt surface that faces the lamp is white at 0 EV; ' +
       'light is multiplied by 2 to the power of the exposure, clipped and written as sRGB, without any other tone curve.' +
       (view.surroundings === 'room' ? ' The room is there to be mirrored: its light on matt parts and its blurred image in rough ones are approximations; in an even sky they are exact.' : '') +
       (scenes.some((s) => s.solved.lobe && s.solved.lobe.only_in_pictures) ? ' The lamp’s mirror image in a smooth boundary is drawn as a lobe of slope parameter 0.02; the values below are without it.' : '');
@@ -206,8 +210,16 @@ const App = (() => {
     const polar = new Panels.Polar($('polar'));
 
     function drawPicture() {
-      const lamp = ObjectView.lampInView(view);
-      for (const { scene, drawn, marker } of objects) {
+      const lamp = ObjectView.lampInView(view), down = drawsDown();
+      $('object-hint').textContent = down ? 'The film over the black and the white half of a contrast chart.' : hintOfObject;
+      for (const key of ['lampYaw', 'lampPitch', 'sky', 'surroundings', 'exposure']) $(`c-${key}`).closest('label').hidden = down;
+      for (const { scene, drawn, marker, stage, film } of objects) {
+        stage.hidden = down;
+        film.hidden = !down;
+        if (down) {
+          Drawdown.draw(film, scene, coloured && lightOf(scene), coloured && pictureWeights(scene));
+          continue;
+        }
         const gamma = ObjectView.bake(scene, lamp, pictureWeights(scene), drawn.table);
         drawn.draw(scene, lamp, gamma, view);
         if (!view.normal) marker.hidden = true;

@@ -12,6 +12,7 @@ const Studio = (() => {
     ['Snow with soot', { base: ['H2O_ice,radius=200 + soot_diesel,radius=0.1,density=1.3,mass=1000ppb'] }],
     ['PTFE', { substrate: ['black'], coat: ['turbid:0.0005,150,0.9 in index:1.35@2mm'], boundary: ['smooth'] }],
     ['Gold on rutile', { base: ['TiO2,radius=0.2'], coat: ['Au,radius=0.03@0.5'], roughness: ['0.3'] }],
+    ['Nothing, over black', { substrate: ['black'] }],
   ];
 
   let model, page = null, formats = [], chosen = null;
@@ -58,6 +59,7 @@ const Studio = (() => {
     hg: [['Albedo', 0, 1], ['Asymmetry g', -0.99, 0.99]], isotropic: [['Albedo', 0, 1]], rayleigh: [['Albedo', 0, 1]], lambert: [['Albedo', 0, 1]],
     index: [['n', 1, 4], ['k', 1e-9, 10, true]], turbid: [['Absorption', 1e-6, 100, true], ['Reduced scattering', 1e-3, 1e4, true], ['Asymmetry g', -0.99, 0.99]],
   };
+  const coatings = { '%': { min: 0.1, max: 100 }, nm: { min: 0.1, max: 1000 }, um: { min: 1e-4, max: 1 }, mm: {} };  // thickness of shells
   const NUMBER = '[-+]?(?:\\d+\\.?\\d*|\\.\\d+)(?:[eE][-+]?\\d+)?';
   function numbersOf(words) {
     const found = [];
@@ -69,6 +71,8 @@ const Studio = (() => {
     };
     for (const m of words.matchAll(new RegExp(`(${Object.keys(kinds).join('|')})=(${NUMBER})(%|um|nm|mm|ppm|ppb|ppt)?`, 'g')))
       add(m.index + m[1].length + 1, m[2], { ...kinds[m[1]], ...(m[1] === 'radius' && m[3] ? { min: undefined } : {}), ...(m[1] === 'volume' && m[3] !== '%' ? { min: 0.001, max: 0.7 } : {}) }, m[3]);
+    for (const m of words.matchAll(new RegExp(`coating=([^@]*)@(${NUMBER})(%|um|nm|mm)`, 'g')))
+      add(m.index + m[0].length - m[3].length - m[2].length, m[2], { label: `Coating of ${m[1]}`, ...coatings[m[3]], log: true }, m[3]);
     for (const m of words.matchAll(new RegExp(`\\b(${Object.keys(lists).join('|')}):(${NUMBER}(?:,${NUMBER})*)`, 'g'))) {
       let at = m.index + m[1].length + 1;
       m[2].split(',').forEach((text, i) => {
@@ -76,6 +80,14 @@ const Studio = (() => {
         if (of) add(at, text, { label: of[0], min: of[1], max: of[2], log: of[3] });
         at += text.length + 1;
       });
+    }
+    // Of several species each number says whose it is.
+    const starts = [...words.matchAll(/(?:^|\s\+\s)\s*([^\s,]+)/g)];
+    if (starts.length > 1) {
+      for (const one of found) {
+        const [, name] = starts.findLast((m) => m.index <= one.at);
+        one.label = `${name}: ${one.label.toLowerCase()}`;
+      }
     }
     return found.sort((a, b) => a.at - b.at);
   }
@@ -201,12 +213,20 @@ const Studio = (() => {
       bar.append(tag('span', { class: 'name' }, `Layer ${i + 1}`), tools);
       card.append(bar);
       mediumFields(card, layer, 'words', `medium of layer ${i + 1}`);
-      const depth = field(card, layer, 'depth', 'Depth: optical (0.5), or 40um, 2kg/m2, inf'), held = /^([0-9.eE+-]+)(.*)$/.exec(layer.depth);
-      if (held && Number(held[1]) > 0) slider(card, { label: held[2] && !held[2].startsWith('[') ? 'Thickness' : 'Optical depth', unit: held[2].replace(/^\[.*/, ''), min: Number(held[1]) / 100, max: Number(held[1]) * 100, log: true, value: Number(held[1]) }, (text, done) => {
-        layer.depth = text + held[2];
-        depth.value = layer.depth;
-        changed(done);
-      }, { owner: layer, name: 'depth' });
+      const depth = field(card, layer, 'depth', 'Depth: optical (0.5), or 40um, 2kg/m2, inf'), depthSlider = tag('div');
+      const drawDepth = () => {
+        const held = /^([0-9.eE+-]+)(.*)$/.exec(layer.depth);
+        depthSlider.replaceChildren();
+        if (!held || !(Number(held[1]) > 0)) return;
+        slider(depthSlider, { label: held[2] && !held[2].startsWith('[') ? 'Thickness' : 'Optical depth', unit: held[2].replace(/^\[.*/, ''), min: Number(held[1]) / 100, max: Number(held[1]) * 100, log: true, value: Number(held[1]) }, (text, done) => {
+          layer.depth = text + held[2];
+          depth.value = layer.depth;
+          changed(done);
+        }, { owner: layer, name: 'depth' });
+      };
+      depth.addEventListener('change', drawDepth);
+      drawDepth();
+      card.append(depthSlider);
       stack.append(card);
     }
     const bottom = tag('div', { class: 'layer', 'data-layer': 'bottom' });
@@ -274,21 +294,22 @@ const Studio = (() => {
   function solve(preview) {
     clearTimeout(timer);
     if (!preview) {
+      waiting = false;  // no preview may come after the solution
       send(false);
       return;
     }
-    timer = setTimeout(() => send(false), SOON_MS);
+    timer = setTimeout(() => solve(false), SOON_MS);
     if (running) waiting = true;
     else send(true);
   }
   async function send(preview) {
-    const mine = ++number, began = performance.now();
+    const mine = ++number, began = performance.now(), words = wordsOf(model);
     running = true;
     status(preview ? '' : 'solving ...');
     try {
-      const reply = await askJson('/api/solve', { words: wordsOf(model), preview, tab });
+      const reply = await askJson('/api/solve', { words, preview, tab });
       if (mine === number) {
-        await show(reply);
+        await show(reply, words);
         latency.push([preview, performance.now() - began]);
         document.body.dataset.solved = mine;
       }
@@ -324,8 +345,8 @@ const Studio = (() => {
 
   const parts = ['controls', 'objects', 'picture-controls', 'readouts', 'difference', 'direction-controls', 'point-charts', 'lobe-controls', 'lobes', 'polar', 'albedo-charts', 'swatches', 'media-charts', 'facts'];
   let shape = '';
-  async function show({ data, preview, seconds, shortfalls }) {
-    current = await Data.load(data);
+  async function show({ data, preview, seconds, shortfalls }, words) {
+    current = { ...await Data.load(data), words, drawdown: current?.drawdown };
     $('studio-error').hidden = true;
     for (const wrong of document.querySelectorAll('#studio .wrong')) {
       wrong.classList.remove('wrong');
@@ -333,6 +354,7 @@ const Studio = (() => {
     }
     document.body.classList.toggle('preview', preview);
     await drawPage();
+    drawDown(preview);
     const poor = shortfalls.length ? `; not converged: ${shortfalls[0]}` : '';
     status(`${preview ? 'preview' : 'solved'} in ${seconds < 1 ? `${Math.round(1e3 * seconds)} ms` : `${seconds.toFixed(1)} s`}${poor}`);
   }
@@ -353,11 +375,43 @@ const Studio = (() => {
       $('title').textContent = root.scenes.map((s) => s.name).join(' beside ');
       document.body.dataset.ready = Math.round(performance.now());
     }
+    page.scenes.forEach((each, i) => { each.drawdown = scenes[i].drawdown; });
     const had = page.scenes[0].measured?.length;
     const within = (nm) => nm >= scene.wavelength_nm[0] - 1 && nm <= scene.wavelength_nm[scene.wavelength_nm.length - 1] + 1;
     page.scenes[0].measured = dropped ? pointsOf(dropped).map((m) => ({ ...m, x: m.x.filter(within), y: m.y.filter((_, i) => within(m.x[i])) })) : [];
     if (dropped || had) page.changed('point', 'albedo');
     drawColours();
+  }
+
+  // The film on a contrast chart, where that is what is shown, of the scene and of the kept one. The one
+  // before stays until the next is there.
+  let asked = 0;
+  async function drawDown(preview) {
+    if (App.view.object !== 'drawdown' || !page) return;
+    const mine = ++asked, light = App.view.light;
+    const ask = async (words, quickly) => ({ light, preview: quickly, ...await askJson('/api/drawdown', { words, preview: quickly, light, tab: `${tab} drawdown` }) });
+    try {
+      const found = await ask(current.words, preview), other = kept && kept.drawdown?.light !== light ? await ask(kept.words, false) : kept?.drawdown;
+      current.drawdown = found;  // of the solution that stands there by now
+      if (kept) kept.drawdown = other;
+    } catch (error) {
+      if (mine !== asked) return;
+      if (error.status === 409) {
+        drawDown(preview);
+        return;
+      }
+      current.drawdown = { light, why: error.message };
+    }
+    page.scenes.forEach((scene, i) => { scene.drawdown = (i ? kept : current).drawdown; });
+    page.changed('picture');
+    document.body.dataset.drawnDown = `${mine}${preview ? ' preview' : ''}`;
+  }
+
+  // All layers as many times as deep.
+  function deepen(times) {
+    for (const layer of model.layers) if (layer.on) layer.depth = layer.depth.replace(/^[0-9.eE+-]+/, (text) => String(Number((times * text).toPrecision(3))));
+    draw();
+    changed(true);
   }
 
   // Values of the chosen sample, one list for each chart that can show them.
@@ -463,8 +517,8 @@ const Studio = (() => {
   function savePicture() {
     page.changed('picture');
     page.update();
-    for (const { stage, scene } of page.objects) {
-      stage.querySelector('canvas').toBlob((blob) => {
+    for (const { stage, scene, film } of page.objects) {
+      (film.hidden ? stage.querySelector('canvas') : Drawdown.canvasOf(film)).toBlob((blob) => {
         const link = tag('a', { href: URL.createObjectURL(blob), download: scene.index ? 'kept.png' : 'scene.png' });
         link.click();
         setTimeout(() => URL.revokeObjectURL(link.href), 10000);
@@ -534,7 +588,7 @@ const Studio = (() => {
     if (text !== $('studio-find').value.trim()) return;
     list.replaceChildren(...materials.map((m) => {
       const one = tag('button', { type: 'button' });
-      one.append(tag('b', {}, m.name), ` ${m.title}, ${Math.round(m.from_nm)} to ${Math.round(m.to_nm)} nm${m.k_known ? '' : ', n alone'}`);
+      one.append(tag('span', { class: 'chip', 'data-chip': m.name, 'aria-hidden': 'true' }), tag('b', {}, m.name), ` ${m.title}, ${Math.round(m.from_nm)} to ${Math.round(m.to_nm)} nm${m.k_known ? '' : ', n alone'}`);
       one.addEventListener('click', () => {
         if (!chosen) return;
         const { owner, key, input, drawSliders } = chosen;
@@ -547,6 +601,25 @@ const Studio = (() => {
       return one;
     }));
     if (!materials.length) list.append(tag('p', { class: 'small' }, `nothing is called '${text}'`));
+    await fillChips(list, materials.map((m) => m.name));
+  }
+
+  // Chips come after the names, some at a time: each is solved once, and kept.
+  const chips = new Map();
+  async function fillChips(list, names) {
+    const CHIPS_AT_ONCE = 6;
+    for (let first = 0; first < names.length; first += CHIPS_AT_ONCE) {
+      const some = names.slice(first, first + CHIPS_AT_ONCE), unknown = some.filter((name) => !chips.has(name));
+      if (unknown.length) Object.entries((await askJson('/api/chips', { names: unknown })).chips).forEach(([name, chip]) => chips.set(name, chip));
+      for (const name of some) {
+        const place = list.querySelector(`[data-chip="${CSS.escape(name)}"]`), chip = chips.get(name);
+        if (!place) return;  // another list stands there by now
+        if (!chip) continue;
+        place.style.background = chip.hex;
+        place.dataset.of = chip.of;
+        place.closest('button').title = chip.of === 'mirror' ? 'the colour of its polished face' : 'the colour of much of it, spheres of 0.15 µm, in a binder';
+      }
+    }
   }
 
   function begin(words) {
@@ -590,6 +663,8 @@ const Studio = (() => {
       drawPage();
     });
     $('studio-file').addEventListener('change', ({ target }) => { if (target.files[0]) take(target.files[0]); target.value = ''; });
+    document.addEventListener('change', ({ target }) => { if (['c-object', 'c-light'].includes(target.id)) drawDown(false); });
+    document.addEventListener('take', ({ detail }) => deepen(detail));
     document.addEventListener('dragover', (event) => event.preventDefault());
     document.addEventListener('drop', (event) => {
       event.preventDefault();
