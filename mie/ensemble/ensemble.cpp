@@ -284,6 +284,16 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
         optics->error_estimate = std::max(optics->error_estimate, SizeRule::kLeastStated * wanted);
     } else {
         optics = average_over_spheres(request, ensemble, source, pieces);
+        // Rays may err by more than is wanted and still by less than all sizes that time allows.
+        const bool has_missed = !optics->converged && source != MomentSource::gauss_angles;
+        for (double within = 2 * request.tolerance;
+             has_missed && !(optics->error_estimate <= within); within *= 2) {
+            auto by_rays = rays(within);
+            if (!by_rays) continue;
+            optics = std::move(by_rays);
+            optics->converged = false;
+            break;
+        }
     }
     if (!request.angles_deg.empty()) put_phase(request, pieces, *optics);
     if (request.with_phase_table || source == MomentSource::table)

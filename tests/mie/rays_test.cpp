@@ -225,6 +225,26 @@ TEST_CASE("rays are refused where they are no description", "[mie][rays]") {
     CHECK(refused(single, 1e-3));
 }
 
+TEST_CASE("a finer tolerance states no more than a coarser one", "[mie][rays][honesty]") {
+    // Ice of 150 um: neither rays nor the sizes that time allows reach the finer one.
+    mie::EnsembleRequest request;
+    request.sizes.kind = Kind::log_normal;
+    request.sizes.effective_radius_um = 150;
+    request.sizes.effective_variance = 0.2;
+    request.refractive_index = {1.3015, 1.62e-6};
+    request.wavelength_nm = 1000;
+    request.highest_moment = 16;
+    request.tolerance = 8e-6;
+    const mie::EnsembleOptics coarse = mie::average_over_sizes(request);
+    CHECK(coarse.converged);
+    request.tolerance = 9e-7;
+    const mie::EnsembleOptics fine = mie::average_over_sizes(request);
+    CHECK_FALSE(fine.converged);
+    CHECK(fine.error_estimate <= coarse.error_estimate);
+    CHECK(std::abs(fine.single_scattering_albedo - coarse.single_scattering_albedo) <=
+          coarse.error_estimate);
+}
+
 TEST_CASE("sizes of rays have all of the area, however few", "[mie][rays]") {
     const Kind kind = GENERATE(Kind::power_law, Kind::log_normal);
     const auto problem = problem_of(kind, 2.6, 420, 0.2);
