@@ -133,7 +133,7 @@ wheel=$(ls "$packages"/miebrdf-*.whl 2>/dev/null | head -n 1)
 if [ -n "$wheel" ]; then
     echo "== the wheel"
     # What it is linked to: the same packages as python3-miebrdf, found by the names of the libraries.
-    libraries=$(dpkg-deb -f "$packages"/miebrdf_*.deb Depends | tr ',' '\n' | sed 's/ *(.*//; s/ //g' | grep '^lib')
+    libraries=$(dpkg-deb -f "$packages"/miebrdf_*.deb Depends | tr ',' '\n' | sed 's/ *[(|].*//; s/ //g' | grep '^lib')
     started=$(now)
     in_root sh -c "apt-get -qq install -y --no-install-recommends python3-venv python3-numpy $(echo $libraries)" \
         >"$work/wheel.log" 2>&1 || { tail -n 20 "$work/wheel.log"; exit 1; }
