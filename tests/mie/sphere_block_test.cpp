@@ -31,6 +31,10 @@ TEST_CASE("eight spheres at once equal one at a time", "[mie][sphere_block]") {
         Case{2.6, 234, 300}, Case{1.46, 5, 28}, Case{1.46, 600, 604}, Case{{3.3, 0.02}, 234, 1137},
         Case{{1.33, 1e-9}, 100, 130}, Case{{1.33, 1e-3}, 1000, 1003}, Case{{2.6, 1e-9}, 1000, 1003},
         Case{{4, 3}, 2, 1000}, Case{{0.05, 3}, 2, 400}, Case{{10, 10}, 2, 300},
+        // Pigments and smaller ones, down to where eight at once begin.
+        Case{2.6, 0.1, 2.2}, Case{1.01, 0.1, 1}, Case{0.7, 0.1, 2}, Case{100, 0.1, 2},
+        Case{{1.5, 1e-3}, 0.1, 2}, Case{{0.05, 3}, 0.1, 4}, Case{{10, 10}, 0.1, 3},
+        Case{{1.3, 1e-8}, 0.1, 1}, Case{{0.01, 1e-6}, 0.1, 3}, Case{{2, 5000}, 0.1, 3},
         Case{{1.5, 1000}, 1, 50}, Case{0.7, 1, 200}, Case{{1.5, 1}, 0.001, 0.3},
         // Weakly absorbing bubbles: absorption summed the wrong way gave 1e80 there.
         Case{{0.5, 1e-3}, 2, 90}, Case{{0.02, 1e-6}, 2, 30});
