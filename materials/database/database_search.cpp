@@ -127,9 +127,9 @@ std::vector<MaterialInfo> Database::search(const SearchFilter& filter) const {
     const bool filtered = filter.needs_k || filter.covers_from_nm || filter.covers_to_nm;
     std::vector<MaterialInfo> found;
     for (const std::string& name : names) {
-        const std::vector<DatasetInfo> all = datasets(name);
         const auto suits = [&](const DatasetInfo& dataset) { return fits(dataset, filter); };
-        if (!filtered || std::any_of(all.begin(), all.end(), suits)) found.push_back(info(name));
+        if (filtered && std::ranges::none_of(datasets(name), suits)) continue;
+        found.push_back(info(name));
     }
     return found;
 }

@@ -207,7 +207,11 @@ solved(browser, "and with it", lambda: browser.click("[data-layer='0'] input[typ
 browser.wait("document.querySelector('.drawdown .chart-halves:not([hidden])')", "the drawdown again")
 over = browser.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
 check(over <= 0, f"390 px, drawdown: nothing stands over the edge ({over} px)")
+browser.run("document.getElementById('objects').scrollIntoView()")
 browser.picture("390-drawdown")
+browser.size(1280, 900, "dark")
+browser.run("document.documentElement.dataset.theme = 'dark'")
+browser.picture("1280-drawdown-dark")
 nodes = browser.send("Accessibility.getFullAXTree")["nodes"]
 unnamed = [n["role"]["value"] for n in nodes if not n.get("ignored") and n.get("role", {}).get("value") in ("button", "slider", "textbox", "combobox", "checkbox", "searchbox")
            and not n.get("name", {}).get("value")]

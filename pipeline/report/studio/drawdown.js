@@ -45,7 +45,7 @@ const Drawdown = (() => {
       ['Contrast ratio', `${ratio.toFixed(1)} %`, 'contrast', ratio],
       ['Y over black', (100 * black).toFixed(2), 'y-black', black],
       ['Y over white', (100 * white).toFixed(2), 'y-white', white],
-      ['Colour difference of the halves, ΔE₀₀', number(Colour.deltaE2000(...over.map((s) => Colour.lab(light, s))), 3), 'halves', '']];
+      ['ΔE₀₀ of the halves', number(Colour.deltaE2000(...over.map((s) => Colour.lab(light, s))), 3), 'halves', '']];
     const { thickness_um: thickness, relative_depth: depth } = found;
     rows.push(['Hides (98 %) at', thickness ? `${number(thickness, 3)} µm` : depth ? `${number(depth, 3)} times this depth` : found.preview ? '...' : 'no depth', 'hiding', thickness || depth || '']);
     if (found.spreading_rate_m2_per_l) rows.push(['One litre of dry film covers', `${number(found.spreading_rate_m2_per_l, 3)} m²`, 'spreading', found.spreading_rate_m2_per_l]);
