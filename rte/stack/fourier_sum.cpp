@@ -47,8 +47,13 @@ double FourierSizes::of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) con
     return relative(by_incidence(reflection));
 }
 
-double FourierSizes::of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>& mu_in) const {
-    return relative(0.125 * mu_in.cwiseInverse());
+double FourierSizes::of_retro_reflection(const ScaledStack& stack,
+                                         const Eigen::Ref<const Eigen::VectorXd>& mu_in) const {
+    const bool is_rough = stack.boundary && stack.boundary->is_rough();
+    const double n = is_rough || stack.has_mirrors() ? 1.0 : stack.top_index;
+    return relative(mu_in.unaryExpr([n](double mu) {
+        return 0.125 * straight_paths_factor(n, mu, mu) / refracted_cosine(n, mu);
+    }));
 }
 
 double FourierSizes::over_listed(const std::vector<double>& reflection) const {
@@ -359,7 +364,8 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
         }
         if (!ended) continue;
         least = features.last(
-            m, highest, sizes.of_retro_reflection(mu_in), tail_tolerance / order_zero_over_peak,
+            m, highest, sizes.of_retro_reflection(stack, mu_in),
+            tail_tolerance / order_zero_over_peak,
             [&](int order) { return sizes.of(shown_part(solver.solve(order), light, intensity)); });
         ended = least <= m;
     }

@@ -13,6 +13,8 @@
 
 namespace miebrdf::rte {
 
+struct ScaledStack;
+
 /// The size of a Fourier order: at each incidence the largest |R^m| (of all directions and
 /// components) relative to the largest |R^0|, and of these ratios the largest. Errors are relative
 /// to values of the same incidence, too: a bright zenith says nothing of grazing light.
@@ -26,8 +28,10 @@ class FourierSizes {
     double next(const Eigen::Ref<const Eigen::MatrixXd>& reflection);
     /// The size of any order after order 0.
     double of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const;
-    /// The size of an order with 4 (mu + mu') R^m = 1 straight back.
-    double of_retro_reflection(const Eigen::Ref<const Eigen::VectorXd>& mu_in) const;
+    /// The size of an order with 4 (mu + mu') R^m = 1 straight back in the top medium, which a
+    /// smooth boundary lets in and out again.
+    double of_retro_reflection(const ScaledStack& stack,
+                               const Eigen::Ref<const Eigen::VectorXd>& mu_in) const;
     /// max |R^0| / max |R| at an incidence, the largest over incidences, at least 1. Where all
     /// directions asked for lie across a forward peak, R is far below R^0 (13 times for
     /// Henyey-Greenstein .95 at mu = mu' = .02, 90 degrees), and errors are relative to R.
@@ -76,8 +80,6 @@ class FourierTail {
     double last_ = 0.0;
     double remaining_ = 0.0;
 };
-
-struct ScaledStack;
 
 /// Glories and rainbows, spread by the forward peak, have higher Fourier orders than all other
 /// light scattered more than once: the orders fall to nothing, change their sign and rise again
