@@ -27,9 +27,9 @@ double largest_moment(const Stack& stack, int degree) {
 
 namespace {
 
-// Moments are dropped where x = (2l + 1) chi_l is below this. If light scattered once is computed
-// with all moments, the change of the rest is about max(.002 x, .005 x^2) (docs/numerics.md); if
-// not, as below a rough boundary, it is the sum of all moments dropped.
+// The last moments are dropped where x = (2l + 1) chi_l is below this. If light scattered once is
+// computed with all moments, R changes by about max(.002 x, .005 x^2) (docs/numerics.md); if not,
+// as below a rough boundary, by the sum of all x dropped.
 double negligible_moment(const Stack& stack, const SolverOptions& options) {
     const bool is_rough = stack.boundary && stack.boundary->is_rough();
     if (is_rough || !options.single_scattering_correction)
@@ -37,17 +37,16 @@ double negligible_moment(const Stack& stack, const SolverOptions& options) {
     return std::min(0.05 * std::sqrt(options.tolerance), 20.0 * options.tolerance);
 }
 
-// `miebrdf stress` (promises) and tests/rte/random_boundaries_test.cpp count converged results
-// beyond their tolerance, which these constants decide about.
+// These constants decide how many converged results err by more than their tolerance;
+// `miebrdf stress` (promises) and tests/rte/random_boundaries_test.cpp count them.
 
 // With chi_2n above this the error does not fall geometrically between 2n/3 and n nodes.
 constexpr double kSlowAbove = 1e-2;
-// Up to this work (nodes cubed times Fourier orders, about .1 s) the next number of nodes is tried
+// Work = nodes^3 x Fourier orders. Up to kCheapWork (about .1 s) the next number of nodes is tried
 // even if more nodes did not help before.
 constexpr double kCheapWork = 8e6;
-// Up to this work (.2 s) nodes that carry all moments are tried: solutions with fewer nodes differ
-// by the moments that they leave out, and their differences do not tell how good one with all will
-// be.
+// Up to kPromisingWork (.2 s) nodes that keep all moments are tried: solutions with fewer nodes
+// differ by the moments dropped, and their differences say nothing about a solution with all.
 constexpr double kPromisingWork = 5e7;
 
 std::size_t most_moments(const Stack& stack) {
@@ -56,7 +55,7 @@ std::size_t most_moments(const Stack& stack) {
     return most;
 }
 
-// The last moment of a list that was cut short (Optics::has_more_moments) is used by delta-M alone.
+// In a list that was cut short (Optics::has_more_moments) the last moment serves delta-M alone.
 std::size_t most_usable_moments(const Stack& stack) {
     std::size_t most = most_moments(stack);
     const auto limit = [&](const Optics& optics) {
@@ -68,32 +67,31 @@ std::size_t most_usable_moments(const Stack& stack) {
     return most;
 }
 
-// Moments up to the last one that is not dropped in some medium.
-std::size_t moments_that_show(const Stack& stack, const SolverOptions& options) {
+// The number of moments up to the last one that is not dropped in some medium.
+std::size_t moments_not_dropped(const Stack& stack, const SolverOptions& options) {
     constexpr std::size_t least = 4;
     std::size_t count = most_moments(stack);
     const double negligible = negligible_moment(stack, options);
-    const auto shows = [&](std::size_t l) {
+    const auto matters = [&](std::size_t l) {
         return (2.0 * double(l) + 1.0) * largest_moment(stack, int(l)) > negligible;
     };
-    while (count > least && !shows(count - 1)) --count;
+    while (count > least && !matters(count - 1)) --count;
     return count;
 }
 
-// With at least this many values the largest difference of two solutions is not small by accident.
+// The largest of this many differences of two solutions is not small by chance.
 constexpr std::size_t kManyValues = 100;
 
-// Only half-spaces count: thin coats converge slowly, like a power of the number of nodes.
+// Half-spaces alone: with thin coats the error falls slowly, like a power of the number of nodes.
 bool are_many(std::size_t count, const Stack& stack) {
     return count >= kManyValues && stack.base_kind == BaseKind::half_space && stack.coats.empty() &&
            !stack.boundary;
 }
 
-// In a coat thinner than this the radiance changes over cosines of the size of its depth, and the
-// first solution has as many nodes as for a third of the tolerance. With fewer, of 2,000 random
-// stacks with coats of depth 1e-4 to .01, one or two cosines of .01 and above each, 20 missed a
-// tolerance of 1e-4, by up to 8 times (`miebrdf stress` counts those that miss it now: promises,
-// smooth thin coats).
+// In a coat of depth tau the radiance changes within cosines of about tau. Below kThinDepth the
+// first solution has as many nodes as for a third of the tolerance: with fewer, 20 of 2,000 random
+// stacks (coats of depth 1e-4 to .01, one or two cosines from .01 on) missed a tolerance of 1e-4,
+// by up to 8 times. (`miebrdf stress` counts such stacks: promises, smooth thin coats.)
 constexpr double kThinDepth = 0.01;
 
 bool has_thin_coat(const Stack& stack) {
@@ -102,7 +100,7 @@ bool has_thin_coat(const Stack& stack) {
     });
 }
 
-// Numbers of nodes to try, ascending up to 256; the first by tolerance and phase functions.
+// Numbers of nodes to try, ascending; the first one by tolerance and phase functions.
 std::span<const int> stream_ladder(const Stack& stack, const SolverOptions& options) {
     static constexpr int kSteps[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
     const bool is_thin = has_thin_coat(stack);
@@ -127,7 +125,7 @@ void name_method(const SolverOptions& options, GridKind grid, std::string& name)
                    grids[int(grid)]);
 }
 
-// Calls visit(k, scale) for each value; its error is relative to scale.
+// Calls visit(k, scale) for each value k; `scale` as JudgedValues says.
 template <typename Visit>
 void visit_values(const std::vector<double>& values, const JudgedValues& judged,
                   const Visit& visit) {
@@ -151,46 +149,47 @@ void keep_largest(double& largest, double value) {
     if (is_larger(value, largest)) largest = value;
 }
 
-// Where light is trapped, the error is at least this share of the difference from the solution with
-// 4/9 of the nodes: errors of all values of a stack change their sign together, and slowly as nodes
+// Where light is trapped, the error is at least kTrappedShare x the difference from the solution
+// with 4/9 of the nodes. Errors of all values of such a stack change sign together, slowly as nodes
 // are added, so that two solutions may agree by chance. Of 784 solutions of random stacks below
 // boundaries (tests/rte/random_boundaries_test.cpp) with 8 to 48 nodes, 97 of 100 erred by less
-// than half of this share, 99 of 100 by about this share (.26 to .35).
-constexpr double kShareOfTrapped = 0.3;
+// than half of this, 99 of 100 by less than about this (.26 to .35).
+constexpr double kTrappedShare = 0.3;
 
-// The least difference of the last two solutions that is believed, where the first and the last
-// differ by `all`: two solutions may agree by chance. Near retro-reflection all of it counts,
+// A floor for the difference of the last two solutions, which may agree by chance. `all` is the
+// difference of the first and the last one. Near retro-reflection the floor is `all` itself,
 // because glories that are resolved in part come and go with each number of nodes.
 double least_difference(double all, bool slow, bool backwards) {
     if (slow) return backwards ? all : 0.1 * all;
     return all < 1.0 ? all * std::sqrt(all) : all;
 }
 
-// Boundaries and mirrors reflect light back into a layer repeatedly.
+// Whether boundaries or mirrors reflect light back into a layer repeatedly.
 bool traps_light(const Stack& stack) {
     return stack.boundary.has_value() || stack.base_kind == BaseKind::mirror;
 }
 
-// The least factor between the error of the finer solution and `apart`, its difference from the
-// coarser one.
+// A floor for (error of the finer solution) / (its difference `apart` from the coarser one).
 double least_gain(double apart, int coarse, int fine) {
     const double farther = double(fine) / coarse - 1.0;
     return std::pow(apart, 0.25 * std::min(farther, 0.5));
 }
 
-// Compares three solutions with about 4n/9, 2n/3 and n nodes. Let d be the difference of the last
-// two, q its ratio to that of the first two. The error falls like r^n for smooth phase functions
-// and like a power of n at grazing: in both cases the finest solution errs by d q at most. The
-// estimate is d q, but at least d^1.125 (r^n alone would be d^1.5; of closer nodes in proportion),
-// and d itself where peaks are not resolved (docs/numerics.md).
+// Fills in the errors of the finest of three solutions, with about 4n/9, 2n/3 and n nodes. Let d be
+// the difference of the last two, q = d / (the difference of the first two). The error falls like
+// r^n for smooth phase functions and like a power of n at grazing angles: either way it is at most
+// d q. The estimate is d q, but no less than d^1.125 (r^n alone would give d^1.5; for closer
+// numbers of nodes in proportion), and d itself where peaks are not resolved (docs/numerics.md).
+// @param coarsest             not `physical`: not computed, and q is taken as 1
+// @param glories_may_resolve  more nodes would resolve glories
 // @return d
 double estimate_error(const Solution& coarsest, const Solution& coarse, Solution& fine,
                       const JudgedValues& judged, bool slow, bool has_many, bool traps,
-                      bool has_backwards, double tolerance) {
+                      bool glories_may_resolve, double tolerance) {
     SolverReport& report = fine.report;
     const bool by_chance = slow || !has_many;
-    const bool has_glory =
-        has_backwards && !judged.near_backwards.empty() && (coarsest.has_glory || fine.has_glory);
+    const bool has_glory = glories_may_resolve && !judged.near_backwards.empty() &&
+                           (coarsest.has_glory || fine.has_glory);
     const auto last_at = [&](std::size_t k, double scale) {
         const double last = difference(coarse.values[k], fine.values[k], scale);
         if (!coarsest.physical || !by_chance) return last;
@@ -204,21 +203,22 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
         keep_largest(now, last_at(k, scale));
     });
     if (coarsest.physical && !slow && now < before && now < 1.0) {
-        // The error of closer nodes falls by q again and again.
+        // With many values q is trusted as the ratio of a geometric series, whose rest is q / (1 -
+        // q).
         const double q = now / before;
-        const double left = has_many ? std::min(1.0, q / (1.0 - q)) : q;
-        gain = std::max(left, least_gain(now, coarse.report.streams, report.streams));
+        const double rest = has_many ? std::min(1.0, q / (1.0 - q)) : q;
+        gain = std::max(rest, least_gain(now, coarse.report.streams, report.streams));
     }
     std::size_t within = 0;
     double largest = 0.0;
-    // Equations are solved to this: two solutions that agree better do so by chance.
+    // The equations are solved to this accuracy: solutions that agree better do so by chance.
     const double least = std::max(report.error_estimate, kEquationShare * tolerance);
     fine.errors.clear();
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         double error = gain * last_at(k, scale);
         if (traps && coarsest.physical) {
             keep_largest(error,
-                         kShareOfTrapped * difference(coarsest.values[k], fine.values[k], scale));
+                         kTrappedShare * difference(coarsest.values[k], fine.values[k], scale));
         }
         fine.errors.push_back(std::isnan(error) ? std::numeric_limits<double>::infinity()
                                                 : std::max(error, least));
@@ -245,18 +245,13 @@ double work_of(int streams, int fourier_orders) {
     return std::pow(double(streams), 3) * fourier_orders;
 }
 
-// A solution with so little work is tried even if more nodes did not help before.
-bool is_worth_a_try(int streams, int fourier_orders) {
-    return work_of(streams, fourier_orders) <= kCheapWork;
-}
-
-// Watches the estimates of a ladder of numbers of nodes. Where no number in reach resolves a
-// direction (a forward peak seen along the horizon), the estimate stays: climbing on would cost n^3
-// and gain nothing.
+// Watches the estimates as nodes are added. Where no number in reach resolves a direction (a
+// forward peak seen along the horizon), the estimate stays, and further nodes would cost n^3 for
+// nothing.
 class LadderProgress {
   public:
-    // True once the estimate is twice the best before it, or two steps (twice the nodes) have not
-    // halved it.
+    // True if the estimate is twice the best before it, or if two steps of the ladder (twice the
+    // nodes) have not halved it.
     bool has_stalled_at(double estimate) {
         const bool grown = estimate > 2.0 * best_;
         const bool idle = estimate > 0.5 * best_before_;
@@ -267,13 +262,15 @@ class LadderProgress {
 
   private:
     double best_ = std::numeric_limits<double>::infinity();
-    double best_before_ = std::numeric_limits<double>::infinity();  // without the last estimate
+    double best_before_ = std::numeric_limits<double>::infinity();  // one step earlier
 };
 
-// The fewest nodes of the ladder that carry all moments that are not dropped; 0: none does.
-int fewest_carrying(std::span<const int> ladder, const Stack& stack, const SolverOptions& options) {
+// The first number of nodes of the ladder that keeps all moments but the dropped ones; 0: none
+// does.
+int fewest_with_all_moments(std::span<const int> ladder, const Stack& stack,
+                            const SolverOptions& options) {
     const std::size_t moments =
-        std::min(most_usable_moments(stack), moments_that_show(stack, options));
+        std::min(most_usable_moments(stack), moments_not_dropped(stack, options));
     const auto found = std::find_if(ladder.begin(), ladder.end(), [&](int streams) {
         return std::size_t(moments_per_node(streams) * streams) >= moments;
     });
@@ -283,7 +280,7 @@ int fewest_carrying(std::span<const int> ladder, const Stack& stack, const Solve
 }  // namespace
 
 bool converges_slowly(const Stack& stack, int streams) {
-    // The hot spot of a ground is a cusp, of which nodes miss a share of 1 / n^2.
+    // The hot spot of a ground is a cusp: the error falls like 1 / n^2.
     return stack.base_kind == BaseKind::brdf || largest_moment(stack, 2 * streams) > kSlowAbove;
 }
 
@@ -296,9 +293,9 @@ Discretisation choose_discretisation(const Stack& stack, const SolverOptions& op
     Discretisation choice;
     choice.grid = options.grid == GridKind::automatic ? GridKind::mapped_gauss : options.grid;
     choice.streams = streams;
-    const auto carried = std::size_t(moments_per_node(streams) * streams);
+    const auto resolved = std::size_t(moments_per_node(streams) * streams);
     choice.moments =
-        int(std::min({carried, most_usable_moments(stack), moments_that_show(stack, options)}));
+        int(std::min({resolved, most_usable_moments(stack), moments_not_dropped(stack, options)}));
     return choice;
 }
 
@@ -349,24 +346,25 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
     int streams = ladder.front();
     const int coarser = coarser_streams(streams), before_coarser = coarser_streams(coarser);
     coarsest.clear();
-    // With many values the coarsest is solved only where the other two do not agree.
-    bool may_be_spared = has_many && !converges_slowly(stack, streams) && before_coarser < coarser;
-    if (before_coarser < coarser && !may_be_spared) solve_at(before_coarser, coarsest);
+    // With many values the coarsest solution waits until the other two are seen not to agree.
+    bool coarsest_waits = has_many && !converges_slowly(stack, streams) && before_coarser < coarser;
+    if (before_coarser < coarser && !coarsest_waits) solve_at(before_coarser, coarsest);
     solve_at(coarser, coarse);
     LadderProgress progress;
-    const int carrying = fewest_carrying(ladder, stack, options);
+    const int with_all_moments = fewest_with_all_moments(ladder, stack, options);
     std::size_t step = 0;
     while (true) {
         solve_at(streams, fine);
         const int orders = fine.report.fourier_orders;
-        // For larger spheres no number of nodes resolves glories, of which the unresolved part is
-        // known in closed form: few nodes are as good as more.
+        // The glories of large spheres are resolved by no number of nodes. Their unresolved part is
+        // added in closed form, and few nodes do as well as many.
         const bool can_be_resolved =
-            carrying > 0 && work_of(std::max(streams, carrying), orders) <= kPromisingWork;
-        const double of_steps = fine.report.error_estimate;
+            with_all_moments > 0 &&
+            work_of(std::max(streams, with_all_moments), orders) <= kPromisingWork;
+        const double of_equations = fine.report.error_estimate;
         double apart = 0.0;
         const auto estimate = [&] {
-            fine.report.error_estimate = of_steps;
+            fine.report.error_estimate = of_equations;
             apart =
                 estimate_error(coarsest, coarse, fine, judged, converges_slowly(stack, streams),
                                has_many, traps_light(stack), can_be_resolved, options.tolerance);
@@ -374,7 +372,7 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
         if (fine.physical && coarse.physical) {
             estimate();
             const bool is_needed =
-                may_be_spared && !(fine.report.error_estimate <= options.tolerance) &&
+                coarsest_waits && !(fine.report.error_estimate <= options.tolerance) &&
                 apart * least_gain(apart, coarse.report.streams, streams) <= options.tolerance;
             if (is_needed) {
                 solve_at(before_coarser, coarsest);
@@ -383,17 +381,17 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
         } else if (fine.physical) {
             mark_unknown(fine);
         }
-        may_be_spared = false;
+        coarsest_waits = false;
         fine.steps_converged = fine.report.converged;
         fine.report.converged =
             has_converged(fine.report.error_estimate, options.tolerance, fine.report.converged);
         if (fine.report.converged || step + 1 == ladder.size()) break;
         const bool stalled = fine.physical && progress.has_stalled_at(fine.report.error_estimate);
-        // All three solutions must carry all moments, or they differ by these.
+        // Until all three solutions keep all moments, they differ by the moments dropped.
         const int fewest = coarsest.physical ? coarsest.report.streams : coarse.report.streams;
-        const bool promising = fewest < carrying && can_be_resolved;
+        const bool promising = fewest < with_all_moments && can_be_resolved;
         const int next = ladder[++step];
-        if (stalled && !promising && !is_worth_a_try(next, orders)) break;
+        if (stalled && !promising && work_of(next, orders) > kCheapWork) break;
         if (refined && !refined(fine.report, next)) break;
         streams = next;
         std::swap(coarsest, coarse);

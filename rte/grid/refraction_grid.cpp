@@ -9,38 +9,36 @@
 namespace miebrdf::rte {
 namespace {
 
-// A panel is narrow where high < kNarrow low: it needs half of the nodes. The next panel, of
-// smaller q, ends so close to grazing in both media that its nodes are mapped too.
-constexpr double kNarrow = 1.05;
+// The indices low < high of two media are close if high < kCloseIndices low. The panel between
+// their critical angles gets half as many nodes as others, and the next panel (of smaller q) ends
+// so close to grazing in both media that its nodes are mapped, too.
+constexpr double kCloseIndices = 1.05;
+
+bool are_close(double low, double high) { return high < kCloseIndices * low; }
 
 double root_of_difference(double larger, double smaller) {
     return std::sqrt((larger - smaller) * (larger + smaller));
 }
 
-// The shares of a panel.
-constexpr int kWideShare = 2, kNarrowShare = 1;
-
-// One or two panels share `count` nodes. Each of three or more has as many as it would have beside
-// one wide panel (wide ones count / 2): light from air must not meet fewer nodes because there are
-// many media, and two solutions that are compared must differ in every panel.
-std::vector<int> share_out(const std::vector<RefractionPanel>& panels, int count, int least) {
-    std::vector<int> shares;
+// The nodes of each panel. One or two panels have `count` nodes together. Each of three or more has
+// count / 2 (count / 4 if its indices are close): light from air must not meet fewer nodes because
+// there are many media, and two solutions that are compared must differ in every panel.
+std::vector<int> nodes_of(const std::vector<RefractionPanel>& panels, int count, int least) {
+    std::vector<int> parts;
     int sum = 0;
     for (const RefractionPanel& panel : panels) {
-        shares.push_back(panel.high < kNarrow * panel.low ? kNarrowShare : kWideShare);
-        sum += shares.back();
+        parts.push_back(are_close(panel.low, panel.high) ? 1 : 2);
+        sum += parts.back();
     }
-    if (panels.size() <= 2) {
-        const int first = int(std::lround(double(count * shares.front()) / sum));
-        if (panels.size() == 1) return {std::max(least, count)};
-        const int own = std::max(least, std::min(first, count - 1));
-        return {own, std::max(least, count - own)};
+    if (panels.size() == 1) return {std::max(least, count)};
+    if (panels.size() == 2) {
+        const int wanted = int(std::lround(double(count * parts.front()) / sum));
+        const int first = std::max(least, std::min(wanted, count - 1));
+        return {first, std::max(least, count - first)};
     }
     std::vector<int> counts;
-    for (const int share : shares) {
-        constexpr int shares_of_two = 2 * kWideShare;
-        counts.push_back(std::max(least, int(std::lround(double(count * share) / shares_of_two))));
-    }
+    for (const int part : parts)
+        counts.push_back(std::max(least, int(std::lround(double(count * part) / 4))));
     return counts;
 }
 
@@ -58,11 +56,11 @@ RefractionGrid::RefractionGrid(std::vector<double> indices, int count, int least
         panel.widest = root_of_difference(panel.high, panel.low) / panel.high;
         const bool has_medium =
             std::find(scattering.begin(), scattering.end(), panel.high) != scattering.end();
-        const bool is_close = k + 1 < indices.size() && indices[k + 1] < kNarrow * panel.high;
-        panel.mapped = has_medium || is_close;
+        const bool is_next = k + 1 < indices.size() && are_close(panel.high, indices[k + 1]);
+        panel.mapped = has_medium || is_next;
         panels_.push_back(panel);
     }
-    const std::vector<int> counts = share_out(panels_, count, least);
+    const std::vector<int> counts = nodes_of(panels_, count, least);
     Eigen::Index size = 0;
     for (std::size_t p = 0; p < panels_.size(); ++p) {
         panels_[p].first = size;
@@ -90,7 +88,7 @@ RefractionGrid RefractionGrid::within(double index) const {
     return part;
 }
 
-// Nodes follow from their number.
+// Panels determine their nodes.
 bool RefractionGrid::operator==(const RefractionGrid& other) const {
     return panels_ == other.panels_;
 }
@@ -115,8 +113,8 @@ ZenithGrid RefractionGrid::in_medium(double index) const {
             GridPanel{.count = panel.count,
                       .map = panel.mapped ? GridPanel::Map::squared : GridPanel::Map::straight,
                       .widest = panel.widest,
-                      .share = panel.high * panel.high / n2,
-                      .beyond = (index - panel.high) * (index + panel.high) / n2});
+                      .factor = panel.high * panel.high / n2,
+                      .offset = (index - panel.high) * (index + panel.high) / n2});
         for (Eigen::Index p = panel.first; p < panel.first + panel.count; ++p) {
             grid.mu[p - above] = here.cosine(t_[p]);
             grid.weights[p - above] = weight_[p] * here.slope(t_[p]);

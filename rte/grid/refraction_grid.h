@@ -1,6 +1,6 @@
 // Nodes for layers of several refractive indices n. Each node is a value of q = n sin(theta), which
-// Snell's law keeps: a smooth boundary sends light from a node into the same node (diagonal
-// matrices).
+// refraction keeps: a smooth boundary sends light from a node into the same node, and its matrices
+// are diagonal.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +14,8 @@ namespace miebrdf::rte {
 struct RefractionPanel {
     double low = 0.0, high = 1.0;
     Eigen::Index first = 0, count = 0;  ///< its nodes
-    /// The cosine c in the medium of index `high` is widest * t^2 (2 - t) if true, else widest * t;
-    /// t are Gauss nodes on (0, 1).
+    /// Cosine in the medium of index `high` at the Gauss node t: widest * t^2 (2 - t) if true, else
+    /// widest * t.
     bool mapped = false;
     double widest = 1.0;  ///< (1 - low^2 / high^2)^(1/2)
 
@@ -33,19 +33,19 @@ class RefractionGrid {
     /// @param least    nodes that each panel has at least
     RefractionGrid(std::vector<double> indices, int count, int least = 1);
 
-    /// The nodes with q below one of the indices: those that light in this medium can have.
+    /// The nodes with q below one of the indices: the directions that exist in this medium.
     RefractionGrid within(double index) const;
 
     bool operator==(const RefractionGrid& other) const;
 
     Eigen::Index size() const { return t_.size(); }
     const std::vector<RefractionPanel>& panels() const { return panels_; }
-    /// The Gauss node of each node in its panel.
+    /// The place t in (0, 1) of each node in its panel.
     const Eigen::VectorXd& t() const { return t_; }
-    /// The number of nodes with q below an index; these are the last ones.
+    /// The number of nodes with q below an index; they are the last ones.
     Eigen::Index nodes_below(double index) const;
-    /// Cosines and weights of the nodes_below() an index, in the medium that has it or in air.
-    /// n^2 mu dmu is the same in all media.
+    /// Cosines and weights of the last nodes_below(index) nodes in the medium of this index (1:
+    /// air); n^2 mu dmu is the same in all media.
     ZenithGrid in_medium(double index) const;
 
   private:
