@@ -167,7 +167,7 @@ std::vector<std::vector<double>> multiple_slopes(const FrozenStack& frozen,
                                             0.0));
     OrderTangents order(frozen, requested, changes, solved, false);
     const int highest = std::min(frozen.fourier_orders(),
-                                 highest_fourier_order(requested, order.fourier_orders(), light));
+                                 count_of_fourier_orders(requested, order.fourier_orders(), light));
     for (int m = 0; m < highest; ++m) {
         if (m > 0 && shown == 1 && fourier_order_vanishes(m, directions.azimuth_deg)) continue;
         if (!order.solve(m)) return {};

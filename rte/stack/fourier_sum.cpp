@@ -13,17 +13,30 @@
 namespace miebrdf::rte {
 namespace {
 
-// Series that fall more slowly are not trusted to be geometric. (`miebrdf stress` counts converged
-// results beyond their tolerance: promises.)
+// The largest ratio of orders that are trusted to be a geometric series. (`miebrdf stress`,
+// promises, counts converged results that err by more than their tolerance.)
 constexpr double kSlowestRatio = 0.7;
 
 double ratio(double value, double to) { return to > 0.0 ? value / to : 1.0; }
 
-// 2 r / (1 - r), the rest of a geometric series in terms of its last order; at most as many orders
-// as a boundary has.
+// (Rest of a geometric series) / (its last order) = 2 r / (1 - r); no more than if all orders of a
+// boundary were as large.
 double rest_of_series(double fall) {
     const double most = kMostBoundaryOrders;
     return 2.0 * (fall < 1.0 ? std::min(fall / (1.0 - fall), most) : most);
+}
+
+// The largest (mu + mu') |R| over the requested pairs: it stays bounded at grazing angles.
+double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
+                       const RequestedDirections& requested) {
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < reflection.cols(); ++i) {
+        for (Eigen::Index o = 0; o < reflection.rows(); ++o) {
+            const double sum = requested.mu[requested.out[o]] + requested.mu[requested.in[i]];
+            largest = std::max(largest, sum * std::abs(reflection(o, i)));
+        }
+    }
+    return largest;
 }
 
 }  // namespace
@@ -43,6 +56,14 @@ Eigen::VectorXd FourierSizes::by_incidence(
     return largest;
 }
 
+double FourierSizes::relative(const Eigen::VectorXd& largest) const {
+    double size = 0.0;
+    for (Eigen::Index i = 0; i < largest.size(); ++i) {
+        if (largest[i] > 0.0) size = std::max(size, largest[i] / of_order_zero_[i]);
+    }
+    return size;
+}
+
 double FourierSizes::of(const Eigen::Ref<const Eigen::MatrixXd>& reflection) const {
     return relative(by_incidence(reflection));
 }
@@ -56,7 +77,7 @@ double FourierSizes::of_retro_reflection(const ScaledStack& stack,
     }));
 }
 
-double FourierSizes::over_listed(const std::vector<double>& reflection) const {
+double FourierSizes::order_zero_over(const std::vector<double>& reflection) const {
     const std::size_t block = reflection.size() / std::size_t(of_order_zero_.size());
     double ratio = 1.0;
     for (Eigen::Index i = 0; i < of_order_zero_.size(); ++i) {
@@ -66,51 +87,6 @@ double FourierSizes::over_listed(const std::vector<double>& reflection) const {
         if (largest > 0.0) ratio = std::max(ratio, of_order_zero_[i] / largest);
     }
     return ratio;
-}
-
-int FeatureOrders::last(int m, int highest, double scale, double tolerance,
-                        const std::function<double(int)>& size_of) const {
-    const std::vector<int> orders = higher_orders(m, scale, tolerance);
-    int last = m;
-    for (const int order : orders) {
-        if (order >= highest) break;
-        if (!(2.0 * size_of(order) * (orders.back() - m) <= tolerance)) last = order;
-    }
-    return last;
-}
-
-double FourierSizes::relative(const Eigen::VectorXd& largest) const {
-    double size = 0.0;
-    for (Eigen::Index i = 0; i < largest.size(); ++i) {
-        if (largest[i] > 0.0) size = std::max(size, largest[i] / of_order_zero_[i]);
-    }
-    return size;
-}
-
-FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
-    : strengths_(GloryStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
-
-// The strength of orders above m: near retro-reflection they are the share 2/pi acos(m / l) of P_l.
-double FeatureOrders::beyond(int m) const {
-    double sum = 0.0;
-    for (Eigen::Index l = m + 1; l < strengths_.size(); ++l)
-        sum += strengths_[l] * (2.0 / std::numbers::pi) * std::acos(double(m) / double(l));
-    return sum;
-}
-
-std::vector<int> FeatureOrders::higher_orders(int m, double scale, double tolerance) const {
-    std::vector<int> orders;
-    if (!(scale * beyond(m) > tolerance)) return orders;
-    int last = m + 1;  // the order beyond which the features are below the tolerance
-    for (int step = int(strengths_.size()); step > 0; step /= 2) {
-        if (last + step < int(strengths_.size()) && scale * beyond(last + step) > tolerance)
-            last += step;
-    }
-    for (const double share : {0.2, 0.4, 0.6, 0.8}) {
-        const int order = m + int(std::lround(share * (last - m)));
-        if (order > m && (orders.empty() || order > orders.back())) orders.push_back(order);
-    }
-    return orders;
 }
 
 double FourierTail::remaining_of_dipping(double largest) {
@@ -140,37 +116,56 @@ bool FourierTail::ends_with(double largest) {
     return ends;
 }
 
-namespace {
+FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
+    : strengths_(GloryStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
 
-// The largest (mu + mu') |R| over the requested pairs: it stays bounded at grazing angles.
-double largest_bounded(const Eigen::Ref<const Eigen::MatrixXd>& reflection,
-                       const RequestedDirections& requested) {
-    double largest = 0.0;
-    for (Eigen::Index i = 0; i < reflection.cols(); ++i) {
-        for (Eigen::Index o = 0; o < reflection.rows(); ++o) {
-            const double sum = requested.mu[requested.out[o]] + requested.mu[requested.in[i]];
-            largest = std::max(largest, sum * std::abs(reflection(o, i)));
-        }
-    }
-    return largest;
+// Near retro-reflection the orders above m are the share 2/pi acos(m / l) of P_l.
+double FeatureOrders::strength_above(int m) const {
+    double sum = 0.0;
+    for (Eigen::Index l = m + 1; l < strengths_.size(); ++l)
+        sum += strengths_[l] * (2.0 / std::numbers::pi) * std::acos(double(m) / double(l));
+    return sum;
 }
 
-}  // namespace
+std::vector<int> FeatureOrders::higher_orders(int m, double scale, double tolerance) const {
+    std::vector<int> orders;
+    if (!(scale * strength_above(m) > tolerance)) return orders;
+    int last = m + 1;  // by bisection: all orders above it together are below the tolerance
+    for (int step = int(strengths_.size()); step > 0; step /= 2) {
+        if (last + step < int(strengths_.size()) && scale * strength_above(last + step) > tolerance)
+            last += step;
+    }
+    for (const double share : {0.2, 0.4, 0.6, 0.8}) {
+        const int order = m + int(std::lround(share * (last - m)));
+        if (order > m && (orders.empty() || order > orders.back())) orders.push_back(order);
+    }
+    return orders;
+}
+
+int FeatureOrders::last(int m, int highest, double scale, double tolerance,
+                        const std::function<double(int)>& size_of) const {
+    const std::vector<int> orders = higher_orders(m, scale, tolerance);
+    int last = m;
+    for (const int order : orders) {
+        if (order >= highest) break;
+        if (!(2.0 * size_of(order) * (orders.back() - m) <= tolerance)) last = order;
+    }
+    return last;
+}
 
 void CoarserFourierOrders::compare(int fourier_order, const Eigen::MatrixXd& finer,
                                    const RequestedDirections& requested) {
     if (fourier_order == 0) order_zero_ = largest_bounded(finer, requested);
     const auto at = std::size_t(fourier_order);
     if (at >= orders_.size() || orders_[at].size() != finer.size()) return;
-    // Other orders differ by up to this times as much.
+    // (Difference of any later order) / (difference of this order) is at most this.
     constexpr double other_orders = 10.0;
     if (order_zero_ == 0.0) return;
-    const double doubt =
-        other_orders * largest_bounded(finer - orders_[at], requested) / order_zero_;
-    // With the order before: odd or even ones alone may be 0, at the zenith for instance.
-    const double of_both = std::max(doubt, difference_);
+    const double now = other_orders * largest_bounded(finer - orders_[at], requested) / order_zero_;
+    // The order before counts, too: all odd or all even orders may be 0, as at the zenith.
+    const double of_both = std::max(now, difference_);
     is_settled_ = of_both <= tolerance_;
-    difference_ = is_settled_ ? of_both : doubt;
+    difference_ = is_settled_ ? of_both : now;
 }
 
 const Eigen::MatrixXd* CoarserFourierOrders::settled(int fourier_order) const {
@@ -230,7 +225,7 @@ class AzimuthSum {
         if (++count_ == at_once_) finish();
     }
 
-    /// Adds the orders that wait.
+    /// Adds the orders collected so far.
     void finish() {
         const Eigen::Index azimuths = cosines_.rows(), elements = Eigen::Index(orders_.size());
         for (Eigen::Index e = 0; e < elements && azimuths > 0; ++e) {
@@ -242,8 +237,7 @@ class AzimuthSum {
                 Eigen::OuterStride<>(elements * azimuths));
             const auto waves = (harmonic.is_sine ? sines_ : cosines_).leftCols(count_);
             const auto orders = element.leftCols(count_).transpose();
-            // Eigen's rounding of small products depends on the address of the result: own memory
-            // is aligned.
+            // In aligned memory, because Eigen's rounding of small products depends on alignment.
             product_.noalias() = waves * orders;
             sum += harmonic.sign * product_;
         }
@@ -267,9 +261,9 @@ class AzimuthSum {
     std::span<const double> azimuth_deg_;
     int components_;
     Eigen::Index at_once_;
-    Eigen::MatrixXd cosines_, sines_;      ///< azimuths x orders that wait
+    Eigen::MatrixXd cosines_, sines_;      ///< azimuths x orders collected
     Eigen::ArrayXcd turn_, direction_;     ///< exp(i azimuth), exp(i m azimuth) of the last order
-    std::vector<Eigen::MatrixXd> orders_;  ///< by element; pairs x orders that wait
+    std::vector<Eigen::MatrixXd> orders_;  ///< by element; pairs x orders collected
     Eigen::MatrixXd product_;
     int next_ = 0, count_ = 0;
     std::vector<double>& sum_;
@@ -297,8 +291,8 @@ const Eigen::MatrixXd& shown_part(const StackOrder& order, const SolvedLight& li
 
 }  // namespace
 
-int highest_fourier_order(const RequestedDirections& requested, int moments,
-                          const SolvedLight& light) {
+int count_of_fourier_orders(const RequestedDirections& requested, int moments,
+                            const SolvedLight& light) {
     if (!only_fourier_order_zero(requested)) return moments;
     return light.components == 1 ? 1 : std::min(3, moments);
 }
@@ -322,7 +316,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
                       (is_smooth(stack) && rows.in.size() * rows.out.size() <= kMostKeptPairs);
 
     StackSolver solver(stack, grids, requested, light.components, options, memory);
-    const int all_orders = highest_fourier_order(requested, solver.fourier_orders(), light);
+    const int all_orders = count_of_fourier_orders(requested, solver.fourier_orders(), light);
     const int highest = exactly > 0 ? std::min(exactly, all_orders) : all_orders;
     FourierTail tail(tail_tolerance, solver.has_boundary_orders());
     FourierSizes sizes(c);
@@ -332,7 +326,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     AzimuthSum by_azimuth(azimuth_deg, requested.in.size() * requested.out.size(), c,
                           sum.reflection);
     Eigen::MatrixXd intensity;
-    double order_zero_over_peak = 1.0;  // FourierSizes::over_listed
+    double order_zero_over_sum = 1.0;  // turns errors relative to R^0 into errors relative to R
     int m = 0, least = 0;
     for (bool ended = false; m < highest && !ended; ++m) {
         if (m > 0 && c == 1 && fourier_order_vanishes(m, azimuth_deg) &&
@@ -355,9 +349,9 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
         ended = exactly == 0 && tail.ends_with(sizes.next(*multiple)) && m >= least;
         if (ended) {
             by_azimuth.finish();
-            order_zero_over_peak = sizes.over_listed(sum.reflection);
+            order_zero_over_sum = sizes.order_zero_over(sum.reflection);
         }
-        ended = ended && order_zero_over_peak * tail.remaining() <= tail_tolerance;
+        ended = ended && order_zero_over_sum * tail.remaining() <= tail_tolerance;
         if (keep) {
             sum.by_fourier_order.resize(std::size_t(m) + 1);
             sum.by_fourier_order.back() = *multiple;
@@ -365,13 +359,13 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
         if (!ended) continue;
         least = features.last(
             m, highest, sizes.of_retro_reflection(stack, mu_in),
-            tail_tolerance / order_zero_over_peak,
+            tail_tolerance / order_zero_over_sum,
             [&](int order) { return sizes.of(shown_part(solver.solve(order), light, intensity)); });
         ended = least <= m;
     }
     by_azimuth.finish();
     const bool are_all = m == highest && highest <= stack.moments;
-    sum.tail = are_all ? 0.0 : order_zero_over_peak * tail.remaining();
+    sum.tail = are_all ? 0.0 : order_zero_over_sum * tail.remaining();
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
 }

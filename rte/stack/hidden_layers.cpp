@@ -16,14 +16,14 @@
 namespace miebrdf::rte {
 namespace {
 
-// Any base is at most this many times brighter than a white ground in one direction.
+// (R of any base) / (R of a white ground) is at most this in any direction.
 constexpr double kSafety = 100.0;
 
 double largest(const std::vector<double>& cosines) {
     return cosines.empty() ? 1.0 : *std::max_element(cosines.begin(), cosines.end());
 }
 
-// At most `few` values in equal steps of the list, the first and the last among them.
+// At most `few` values of the list in equal steps, the first and the last among them.
 std::vector<double> a_few_of(const std::vector<double>& values) {
     constexpr std::size_t few = 8;
     if (values.size() <= few) return values;
@@ -44,8 +44,7 @@ double most_visible(const Optics& coat, double optical_depth) {
     return (x > 0.0 ? x / std::sinh(x) : 1.0) / (v * optical_depth);
 }
 
-// least_brightness of a half-space; where albedos alone are asked for, R at mu_out = .5 stands for
-// them.
+// least_brightness of a half-space; for albedos (no mu_out) by R at mu_out = .5.
 double least_brightness(const Optics& medium, Directions directions) {
     constexpr int moments = 32;
     if (directions.mu_out.empty()) directions = {std::move(directions.mu_in), {0.5}, {90.0}};

@@ -10,8 +10,8 @@
 namespace miebrdf::rte {
 namespace {
 
-/// Whether transmittances are computed: there is a bottom, all methods are automatic, and no
-/// surface lies above, through which the light that enters is not known here.
+/// Whether transmittances are computed: there is a bottom, the method of coats is automatic, and no
+/// surface lies on the layers (the light that enters through it is not known here).
 bool has_transmittance(BaseKind base, const SolverOptions& options, bool has_surface) {
     return base != BaseKind::half_space && !has_surface &&
            options.coat_method == CoatMethod::automatic;
@@ -147,8 +147,7 @@ LightComparison compare_albedos(const Stack& stack, const std::vector<double>& m
         return std::move(solution.values);
     };
     LightComparison both{solved(1), solved(3)};
-    // Values are plane albedos, their changes by polarised light, then the rest: remove the
-    // changes.
+    // Removes the changes by polarised light, which stand behind the plane albedos.
     const auto changes = both.with.begin() + std::ptrdiff_t(mu_in.size());
     both.with.erase(changes, changes + std::ptrdiff_t(mu_in.size()));
     return both;

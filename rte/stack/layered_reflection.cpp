@@ -8,6 +8,8 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "rte/boundary/rough_boundaries.h"
+#include "rte/first_order/first_order.h"
 #include "rte/first_order/first_order_sum.h"
 #include "rte/first_order/glory_correction.h"
 #include "rte/grid/discretisation.h"
@@ -19,7 +21,7 @@
 namespace miebrdf::rte {
 namespace {
 
-/// Whether a medium has narrow features (glories) that the nodes resolve in part or not at all.
+/// Whether a medium has narrow features (glories) that the nodes do not fully resolve.
 bool has_glory(const ScaledStack& stack) {
     return !stack.has_mirrors() &&
            std::any_of(stack.media.begin(), stack.media.end(), [](const ScaledMedium& medium) {
@@ -27,21 +29,22 @@ bool has_glory(const ScaledStack& stack) {
            });
 }
 
-/// Within this angle of retro-reflection all of the difference of solutions counts.
+/// Within this angle of retro-reflection errors are estimated without trust in agreement
+/// (JudgedValues::near_backwards).
 constexpr double kNearRetroDeg = 5.0;
 /// Directions within this angle of retro-reflection count as straight back: wider than glories.
 constexpr double kStraightBackDeg = 1.0;
-/// The error of the part of a glory that nodes do not resolve (unresolved_glory), as a share of
-/// this part, straight back, however well two solutions agree. The rms difference from solutions
-/// with 256 nodes, of solutions with 12, 24 and 48 (tools/bench/retro_reflection.py has such
-/// spheres): at the zenith of 92 half-spaces of spheres of 10 to 50 um, bare and coated, whose
-/// glory is a tenth of R or more (docs/internals/numerics-log.md); elsewhere of 22 of 2 to 12 um.
-constexpr double kGloryDoubtAtZenith = 0.03, kGloryDoubt = 0.016;
+/// (Error of R straight back) / (the part of the glory that nodes do not resolve,
+/// unresolved_glory), which two solutions share and cannot show: the rms difference of solutions
+/// with 12, 24 and 48 nodes from 256 nodes (tools/bench/retro_reflection.py has such spheres). At
+/// the zenith of 92 half-spaces of spheres of 10 to 50 um, bare and coated, whose glory is a tenth
+/// of R or more (docs/internals/numerics-log.md); elsewhere of 22 with spheres of 2 to 12 um.
+constexpr double kGloryErrorAtZenith = 0.03, kGloryError = 0.016;
 
-double doubt_of_glory(const ScaledStack& stack, double mu_air) {
+double glory_error(const ScaledStack& stack, double mu_air) {
     const double mu = refracted_cosine(stack.top_index, mu_air);
     const bool at_zenith = mu >= std::cos(kNearRetroDeg * std::numbers::pi / 180.0);
-    return (at_zenith ? kGloryDoubtAtZenith : kGloryDoubt) *
+    return (at_zenith ? kGloryErrorAtZenith : kGloryError) *
            straight_paths_factor(stack.top_index, mu_air, mu_air) *
            unresolved_glory(stack.media, mu);
 }
@@ -88,8 +91,8 @@ void reflect_with(const Request& request, const Discretisation& discretisation,
     solution.has_glory = has_glory(scaled);
 }
 
-// Each error, but no less than those of the azimuths beside it and than the median at its
-// incidence: two solutions may agree by accident at single values.
+// Each error, but at least those of the azimuths beside it and the median of its incidence, because
+// two solutions may agree by chance at single values.
 std::vector<double> largest_nearby(const std::vector<double>& errors,
                                    const Directions& directions) {
     const std::size_t azimuths = directions.azimuth_deg.size();
@@ -111,8 +114,8 @@ std::vector<double> largest_nearby(const std::vector<double>& errors,
     return all;
 }
 
-// From [pair][element][azimuth] to the order of ReflectionTable::reflection, and the direction
-// there.
+// Sets the worst direction, and turns worst_value from [pair][element][azimuth] to the order of
+// ReflectionTable::reflection.
 void name_worst_direction(const Directions& directions, std::size_t elements,
                           SolverReport& report) {
     const std::size_t azimuths = directions.azimuth_deg.size();
@@ -127,10 +130,10 @@ void name_worst_direction(const Directions& directions, std::size_t elements,
     report.worst_value = (pair * azimuths + azimuth) * elements + element;
 }
 
-// States the error of glories straight back (doubt_of_glory). No further nodes are tried: those in
-// reach do not lower it.
-void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack, double tolerance,
-                          ReflectionTable& table) {
+// Errors straight back become at least glory_error(). No more nodes are tried, because no number in
+// reach lowers it.
+void add_glory_errors(const Directions& directions, const ScaledStack& stack, double tolerance,
+                      ReflectionTable& table) {
     if (!has_glory(stack)) return;
     const std::vector<bool> back = near_retro_reflection(directions, kStraightBackDeg);
     const auto elements = std::size_t(table.components * table.components);
@@ -141,13 +144,13 @@ void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack
         double brightest = 0.0;
         for (std::size_t k = first; k < first + block; ++k)
             brightest = std::max(brightest, table.reflection[k * elements]);
-        std::optional<double> doubt;
+        std::optional<double> least;
         for (std::size_t k = first; k < first + block; ++k) {
             if (!back[k] || !(brightest > 0.0)) continue;
-            if (!doubt) doubt = doubt_of_glory(stack, directions.mu_in[first / block]) / brightest;
-            if (!table.errors.empty()) table.errors[k] = std::max(table.errors[k], *doubt);
-            if (!(*doubt > report.error_estimate)) continue;
-            report.error_estimate = *doubt;
+            if (!least) least = glory_error(stack, directions.mu_in[first / block]) / brightest;
+            if (!table.errors.empty()) table.errors[k] = std::max(table.errors[k], *least);
+            if (!(*least > report.error_estimate)) continue;
+            report.error_estimate = *least;
             report.worst_value = k / azimuths * azimuths * elements + k % azimuths;
             name_worst_direction(directions, elements, report);
         }
@@ -159,7 +162,7 @@ void add_doubt_of_glories(const Directions& directions, const ScaledStack& stack
     report.share_within_tolerance = double(within) / double(table.errors.size());
 }
 
-/// The table of a request without any pair of directions: albedos at each incidence, no R.
+/// The table of a request that has no pair of directions: albedos at each incidence, no R.
 ReflectionTable without_pairs(const Stack& stack, const std::vector<double>& mu_in,
                               const SolvedLight& light, const SolverOptions& options,
                               SolutionMemory& memory) {
@@ -187,8 +190,8 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     const auto elements = std::size_t(light.shown() * light.shown());
     const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size() * elements;
     SolutionParts& kept = SolutionParts::of(*memory);
-    FourierOrders orders;  // of the coarser solution before
-    int nodes_before = 0;
+    FourierOrders orders;  // of the finest solution so far
+    int finest = 0;        // its number of nodes
     FirstOrderSum first_order(directions, options, light.components, light.shown());
     const Request request{stack, directions, requested, light, options};
     Solutions solutions;
@@ -202,8 +205,8 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
         [&](const Discretisation& discretisation, Solution& one) {
             // A solution with fewer nodes takes over no orders of one with more.
             FourierOrders none;
-            const bool is_finer = discretisation.streams >= nodes_before;
-            if (is_finer) nodes_before = discretisation.streams;
+            const bool is_finer = discretisation.streams >= finest;
+            if (is_finer) finest = discretisation.streams;
             reflect_with(request, discretisation, kept.with_streams(discretisation.streams),
                          is_finer ? orders : none, first_order, one);
         },
@@ -226,10 +229,20 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
     table.report = std::move(solution.report);
     if (solution.physical) {
         const ScaledStack& scaled = kept.with_streams(table.report.streams).scaled;
-        add_doubt_of_glories(directions, scaled, options.tolerance, table);
+        add_glory_errors(directions, scaled, options.tolerance, table);
     }
     find_mirror_reflectances(stack, directions.mu_in, light, kept.exact, table.mirror_reflectance);
     return table;
+}
+
+/// Adds the Fourier orders of MirroredLobe between all cosines.
+void add_mirrored_orders(const Eigen::VectorXd& mu, TabulatedOrders& table) {
+    std::vector<Eigen::MatrixXd> lobe = mirrored_lobe_orders(mu, table.stack);
+    table.orders.resize(std::max(table.orders.size(), lobe.size()));
+    for (std::size_t m = 0; m < lobe.size(); ++m) {
+        Eigen::MatrixXd& sum = table.orders[m];
+        sum.size() == 0 ? sum = std::move(lobe[m]) : sum += lobe[m];
+    }
 }
 
 }  // namespace
@@ -278,6 +291,35 @@ ReflectionTable reflect_polarised(const Stack& stack, const Directions& directio
     return reflect_light(with_all_moments(stack), directions, light, options, memory, refined);
 }
 
+TabulatedOrders tabulate_orders(const Stack& requested_stack, const std::vector<double>& mu,
+                                const SolvedLight& light, const SolverReport& solved,
+                                const SolverOptions& options, SolutionMemory& known) {
+    const Stack stack = light.components > 1 ? with_all_moments(requested_stack) : requested_stack;
+    TabulatedOrders table;
+    table.stack.rough_boundaries = SolutionParts::of(known).rough_boundaries;
+    scale_stack(stack, solved.moments, options.delta_m, table.stack);
+    const StackGrids grids(table.stack, choose_discretisation(stack, options, solved.streams).grid,
+                           solved.streams);
+    if (options.single_scattering_correction) split_by_resolution(table.stack, grids);
+    RequestedDirections requested;
+    requested.mu = Eigen::Map<const Eigen::VectorXd>(mu.data(), Eigen::Index(mu.size()));
+    for (int k = 0; k < int(mu.size()); ++k) {
+        requested.in.push_back(k);
+        requested.out.push_back(k);
+    }
+    StackMemory memory;
+    MultipleScattering multiple = sum_fourier_orders(table.stack, grids, requested, {}, light,
+                                                     kFourierTailShare * options.tolerance, options,
+                                                     memory, {}, KeptOrders::for_table);
+    table.orders = std::move(multiple.by_fourier_order);
+    table.converged = multiple.converged;
+    table.physical = multiple.physical;
+    const bool is_rough = table.stack.boundary && table.stack.boundary->is_rough();
+    if (is_rough && table.stack.has_mirrors() && table.physical)
+        add_mirrored_orders(requested.mu, table);
+    return table;
+}
+
 LightComparison compare_light(const Stack& stack, const Directions& directions,
                               const SolverOptions& options, SolutionMemory& memory) {
     const Stack whole = with_all_moments(stack);
@@ -285,7 +327,7 @@ LightComparison compare_light(const Stack& stack, const Directions& directions,
     SolutionParts::AtStreams& kept = SolutionParts::of(memory).with_streams(options.streams);
     LightComparison both;
     Solution solution;
-    const auto solve = [&](const Discretisation& discretisation, Solution& numbers) {
+    const auto solve = [&](const Discretisation& discretisation, Solution& one) {
         const ScaledStack& scaled = scale(whole, directions, discretisation, options, kept);
         const StackGrids& grids = kept.grids_for(discretisation);
         const auto sum = [&](const SolvedLight& light) {
@@ -293,8 +335,8 @@ LightComparison compare_light(const Stack& stack, const Directions& directions,
                                       kFourierTailShare * options.tolerance, options, kept.memory);
         };
         MultipleScattering without = sum({}), with = sum({3, true});
-        numbers.physical = without.physical && with.physical;
-        if (!numbers.physical) return;
+        one.physical = without.physical && with.physical;
+        if (!one.physical) return;
         // Light scattered once has the same R11 with and without polarisation unless it met a
         // boundary or mirror before.
         const bool is_alike = !scaled.refracts() && !scaled.has_mirrors();
@@ -302,9 +344,9 @@ LightComparison compare_light(const Stack& stack, const Directions& directions,
         FirstOrderSum(directions, options).add_to(first, scaled);
         both.with = std::move(with.reflection);
         if (!is_alike) FirstOrderSum(directions, options, 3, 1).add_to(both.with, scaled);
-        numbers.values = std::move(without.reflection);
+        one.values = std::move(without.reflection);
         for (std::size_t k = 0; k < first.size(); ++k) {
-            numbers.values[k] += first[k];
+            one.values[k] += first[k];
             if (is_alike) both.with[k] += first[k];
         }
     };

@@ -1,4 +1,4 @@
-// Beside the public <miebrdf/transfer.h>: tables of the Fourier orders of a solution, solutions
+// Private parts of <miebrdf/transfer.h>: tables of the Fourier orders of a solution, and solutions
 // with and without polarisation.
 #pragma once
 
@@ -23,7 +23,7 @@ struct TabulatedOrders {
 
 class RoughBoundaries;
 
-/// Memory that shares its rough boundaries with other solutions, in this thread or others.
+/// A memory that shares its rough boundaries with other solutions, in this thread or others.
 SolutionMemory memory_with(std::shared_ptr<RoughBoundaries> boundaries);
 
 /// Solves a stack between all pairs of cosines with the nodes and moments of an earlier solution.
@@ -33,30 +33,30 @@ TabulatedOrders tabulate_orders(const Stack& stack, const std::vector<double>& m
                                 const SolvedLight& light, const SolverReport& solved,
                                 const SolverOptions& options, SolutionMemory& known);
 
-// Validation and results that requests for reflections and for albedos share.
+// What reflections, albedos and derivatives have in common (requests.cpp).
 
 /// @throws UsageError  for cosines outside (0, 1]
 void require_cosines(const std::vector<double>& cosines, const char* field);
-/// @throws UsageError  for methods and rough boundaries, which polarised light cannot have
+/// @throws UsageError  for methods other than the automatic ones, and for rough boundaries
 void require_polarisable(const Stack& stack, const SolverOptions& options);
 
-/// The stack with each medium's list of moments padded by 0 to the length of its longest list of
-/// matrix coefficients: nodes and moments are chosen by the length of the list of moments.
+/// The stack with the moments of each medium padded by 0 to the length of its longest list of
+/// matrix coefficients, because nodes and moments are chosen by the length of the list of moments.
 Stack with_all_moments(Stack stack);
 
 /// Reorders [pair][element][azimuth] (FirstOrderSum) as [pair][azimuth][element].
 std::vector<double> elements_last(std::vector<double> values, std::size_t elements,
                                   std::size_t azimuths);
 
-/// ReflectionTable::mirror_reflectance, with unscaled optical depths: light in the forward peak is
-/// scattered, and belongs to no beam.
+/// ReflectionTable::mirror_reflectance, by unscaled optical depths, because light in the forward
+/// peak is scattered and belongs to no beam.
 /// @param exact         overwritten by the unscaled stack
 /// @param reflectances  overwritten
 void find_mirror_reflectances(const Stack& stack, const std::vector<double>& mu_in,
                               const SolvedLight& light, ScaledStack& exact,
                               std::vector<double>& reflectances);
 
-/// AlbedoTable::unscattered_transmittance, with unscaled optical depths.
+/// AlbedoTable::unscattered_transmittance, by unscaled optical depths.
 /// @param shares  overwritten
 void find_unscattered(const Stack& stack, const std::vector<double>& mu_in, int components,
                       ScaledStack& exact, std::vector<double>& shares);
@@ -66,9 +66,9 @@ struct LightComparison {
     std::vector<double> without, with;  ///< all NaN where one of the two is not physical
 };
 
-/// Solves a stack with and without polarisation, with SolverOptions::streams nodes, for the
-/// difference of the two: errors are not estimated, and both lack features that the nodes do not
-/// resolve. Values are in the order of ReflectionTable::reflection.
+/// Solves a stack with and without polarisation, with SolverOptions::streams nodes. Only the
+/// difference of the two is of use: errors are not estimated, and both lack the features that the
+/// nodes do not resolve. Values are in the order of ReflectionTable::reflection.
 LightComparison compare_light(const Stack& stack, const Directions& directions,
                               const SolverOptions& options, SolutionMemory& memory);
 /// The same for plane albedos, the spherical albedo and transmittances.

@@ -1,3 +1,4 @@
+// Validation, and the parts that reflections, albedos and derivatives have in common.
 #include "rte/stack/layered_reflection.h"
 
 #include <fmt/format.h>
@@ -6,13 +7,11 @@
 
 #include <miebrdf/error.h>
 #include "rte/first_order/beams.h"
-#include "rte/grid/discretisation.h"
-#include "rte/stack/scaled_stack.h"
 
 namespace miebrdf::rte {
 namespace {
 
-// A list that was cut short (has_more_moments) has unknown moments behind it, not zeros.
+// A list that was cut short (has_more_moments) is not padded: its further moments are unknown.
 void pad_moments(Optics& optics) {
     if (!optics.polarisation || optics.has_more_moments) return;
     std::size_t count = optics.chi.size();

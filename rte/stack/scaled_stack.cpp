@@ -13,8 +13,8 @@ namespace miebrdf::rte {
 
 namespace {
 
-// Indices from the top down; steps below kLeastIndexStep are removed, so that they have no
-// boundary.
+// Sets the refractive indices, from the top down. A medium whose index differs from that above by
+// less than kLeastIndexStep takes the index above, so that no boundary lies between.
 void find_indices(const Stack& stack, ScaledStack& scaled) {
     const bool is_on_coat = stack.base_kind != BaseKind::half_space && !stack.coats.empty();
     const double lowest = is_on_coat ? stack.coats.front().index : stack.base_index;
@@ -40,8 +40,8 @@ void find_indices(const Stack& stack, ScaledStack& scaled) {
     if (scaled.top_index == 1.0) scaled.boundary.reset();
 }
 
-// A layer of depth 0 stays where its index differs from those of both neighbours: its two surfaces
-// reflect. (The ground has the index of the lowest layer.)
+// Removes layers of depth 0 that have the index of a neighbour; others stay, because their two
+// surfaces reflect. (The ground has the index of the lowest layer.)
 void remove_layers_without_surfaces(ScaledStack& scaled) {
     std::vector<ScaledMedium>& media = scaled.media;
     for (std::size_t i = media.size(); i-- > 0;) {
@@ -113,8 +113,6 @@ void scale_stack(const Stack& stack, int moments, bool delta_m, ScaledStack& sca
     if (scaled.boundary && scaled.boundary->is_rough() && scaled.rough_boundaries == nullptr)
         scaled.rough_boundaries = std::make_shared<RoughBoundaries>();
 }
-
-StackGrids::StackGrids(ZenithGrid grid) : indices_{1.0}, grids_{std::move(grid)} {}
 
 StackGrids::StackGrids(const ScaledStack& stack, GridKind kind, int count)
     : kind_(kind), count_(count), indices_{1.0} {

@@ -1,4 +1,5 @@
-// A stack scaled by delta-M for the discrete equations, and the nodes of each of its media.
+// Makes a ScaledStack (rte/phase/stack_of_media.h) from a Stack: media scaled by delta-M, layers
+// that do nothing left out; and the nodes of each medium.
 #pragma once
 
 #include <optional>
@@ -11,20 +12,20 @@
 
 namespace miebrdf::rte {
 
-/// Scales every medium by delta-M. Left out are all layers below a coat of infinite depth, and
-/// layers of depth 0 unless their index differs from those of both neighbours below a boundary.
+/// Scales every medium by delta-M. Leaves out all layers below a coat of infinite depth, and layers
+/// of depth 0 (but not those below a boundary whose index differs from both neighbours').
 /// @param moments  L of scale_optics
 ScaledStack scale_stack(const Stack& stack, int moments, bool delta_m);
 /// @param scaled  overwritten; its memory is used again
 void scale_stack(const Stack& stack, int moments, bool delta_m, ScaledStack& scaled);
 
-/// ScaledStack::base of the scaled stack.
+/// ScaledStack::base, without scaling: a coat of infinite depth is the half-space.
 BaseKind lowest_kind(const Stack& stack);
 
-/// Nodes of the media of a stack: one grid for all, or one for each index (refraction_grid.h).
+/// Nodes of the media of a stack: one grid for all media, or one for each index
+/// (refraction_grid.h).
 class StackGrids {
   public:
-    StackGrids(ZenithGrid grid);
     StackGrids(const ScaledStack& stack, GridKind kind, int count);
 
     /// Whether the constructor would make the same grids of these arguments.
@@ -46,8 +47,8 @@ class StackGrids {
     std::optional<RefractionGrid> refraction_;
 };
 
-/// Sets ScaledMedium::narrow, which scale_stack leaves empty, and the shares of these narrow
-/// features that the nodes do not resolve.
+/// Splits off the narrow features of each medium (ScaledMedium::narrow, empty after scale_stack),
+/// and finds the shares of them that the nodes do not resolve.
 void split_by_resolution(ScaledStack& stack, const StackGrids& grids);
 
 }  // namespace miebrdf::rte

@@ -17,7 +17,7 @@ namespace miebrdf::rte {
 struct SolutionParts {
     static SolutionParts& of(SolutionMemory& memory) { return *memory.parts_; }
 
-    /// The matrices and grids of one number of nodes.
+    /// The matrices and grids of solutions with one number of nodes.
     struct AtStreams {
         int streams = 0;
         ScaledStack scaled = {};
@@ -25,7 +25,7 @@ struct SolutionParts {
         StackMemory memory = {};
         Eigen::VectorXd let_in = {}, let_out = {};
 
-        /// The grids of `scaled`, made anew where those of the stack before do not fit.
+        /// The grids of `scaled`, made anew if those of the stack before do not fit.
         const StackGrids& grids_for(const Discretisation& discretisation) {
             if (!grids || !grids->fit(scaled, discretisation.grid, discretisation.streams))
                 grids.emplace(scaled, discretisation.grid, discretisation.streams);
@@ -37,10 +37,10 @@ struct SolutionParts {
     std::vector<std::unique_ptr<AtStreams>> by_streams = {};
     RequestedDirections requested = {};
     std::vector<double> mu_in = {};  ///< of `requested`
-    ScaledStack exact = {};          ///< without delta-M
+    ScaledStack exact = {};          ///< the present stack without delta-M
     Solutions solutions_of_albedo = {};
 
-    /// The memory of up to 64 nodes is kept by their number; all above share one, because that of
+    /// One memory for each number of nodes up to 64; one for all larger numbers, because that of
     /// 256 nodes takes 30 MB.
     AtStreams& with_streams(int streams);
 };

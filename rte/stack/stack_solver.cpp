@@ -14,9 +14,9 @@
 namespace miebrdf::rte {
 namespace {
 
-// From light parallel and perpendicular to the meridian planes to I and Q, in rows and columns
-// 0, 1.
-void turn_back(Eigen::MatrixXd& pair) {
+// Turns rows and columns 0 and 1 from light parallel and perpendicular to the meridian plane into I
+// and Q.
+void turn_to_stokes(Eigen::MatrixXd& pair) {
     const Eigen::MatrixXd rows = pair.topRows(2);
     pair.row(0) = (rows.row(0) + rows.row(1)) / std::numbers::sqrt2;
     pair.row(1) = (rows.row(0) - rows.row(1)) / std::numbers::sqrt2;
@@ -56,7 +56,7 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
     const std::size_t count = grids.indices().size();
     memory_.requested.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
-        // No beam enters through a rough boundary: light below it is known at the nodes alone.
+        // Through a rough boundary no beam enters: light below it is known at the nodes alone.
         RequestedDirections& own = memory_.requested[k];
         if (is_rough) {
             own = {};
@@ -130,7 +130,7 @@ const StackOrder& StackSolver::solve_albedos(const Eigen::VectorXd& let_in,
 void StackSolver::start(int fourier_order) {
     fourier_order_ = fourier_order;
     memory_.order.clear();
-    if (fourier_order >= stack_.moments) return;  // nothing is scattered in this order
+    if (fourier_order >= stack_.moments) return;  // this order has no scattered light
     const std::vector<double>& indices = grids_.indices();
     for (std::size_t k = 0; k < indices.size(); ++k) {
         const ZenithGrid& grid = grids_.of(indices[k]);
@@ -186,7 +186,7 @@ void StackSolver::tell(StackStep step) const {
     if (follower_ != nullptr && step.result->physical) follower_->follow(step);
 }
 
-// By reciprocity the flux weighted by let_out is the response to a sky whose radiance is let_out.
+// By reciprocity the flux weighted by let_out is the response to a sky of radiance let_out.
 void StackSolver::find_skies(const Eigen::VectorXd* let_in, const Eigen::VectorXd* let_out) {
     const ZenithGrid& nodes = grids_.top();
     Eigen::VectorXd& D = memory_.uniform;
@@ -211,7 +211,7 @@ bool StackSolver::is_coupled() const {
     return block_->size() > 1 && block_->back() == StokesComponent::V;
 }
 
-// The one of the two reflectors of this index that does not hold the layers solved so far.
+// Of the two reflectors of this index the one that does not hold the layers solved so far.
 Reflector& StackSolver::free_reflector(double index) {
     auto& [one, other] = memory_.reflectors[place_of(index)];
     return reflector_ == &one ? other : one;
@@ -235,7 +235,6 @@ const RequestedDirections& StackSolver::requested_in(double index) const {
                             : rows_[place_of(index)].requested[block_->size()];
 }
 
-// The solvers' X counts U and V of downward light with the opposite sign: R = X D4.
 void StackSolver::keep_pairs() {
     if (components_ == 1) {
         memory_.order.multiple.swap(reflector_->multiple);
@@ -244,6 +243,7 @@ void StackSolver::keep_pairs() {
     }
 }
 
+// The solvers' X counts U and V of downward light with the opposite sign: R = X D4.
 void StackSolver::spread_block(const Eigen::MatrixXd& solved, Eigen::MatrixXd& all) const {
     const auto c = Eigen::Index(block_->size());
     const Eigen::Index out = solved.rows() / c, in = solved.cols() / c;
@@ -252,7 +252,7 @@ void StackSolver::spread_block(const Eigen::MatrixXd& solved, Eigen::MatrixXd& a
     for (Eigen::Index i = 0; i < in; ++i) {
         for (Eigen::Index o = 0; o < out; ++o) {
             pair = solved.block(o * c, i * c, c, c);
-            if (turns) turn_back(pair);
+            if (turns) turn_to_stokes(pair);
             for (Eigen::Index column = 0; column < c; ++column) {
                 const auto to_column = Eigen::Index((*block_)[std::size_t(column)]);
                 const double sign = to_column < 2 ? 1.0 : -1.0;

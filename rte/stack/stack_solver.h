@@ -21,10 +21,10 @@ namespace miebrdf::rte {
 
 class RoughTop;
 
-/// A boundary, and the cosines for which it was made.
+/// A boundary, and the cosines in the medium below for which it was made.
 struct KnownBoundary {
     SmoothBoundary boundary;
-    Eigen::VectorXd nodes, requested;  ///< of the medium below
+    Eigen::VectorXd nodes, requested;
 };
 
 /// One Fourier order of the reflection between requested cosines, by light with c components.
@@ -33,10 +33,9 @@ struct StackOrder {
     /// component. The blocks (I, Q) x (I, Q) and (U, V) x (U, V) are the factors of cos(m azimuth),
     /// the block (U, V) x (I, Q) of sin(m azimuth), the block (I, Q) x (U, V) of -sin(m azimuth).
     Eigen::MatrixXd multiple;
-    // The albedos and the transmittance are set in order 0 alone.
-    /// At the incident cosines: the share of the incident flux that is reflected, mirrors included,
-    /// for unpolarised light; and the amount that this share changes by for light fully polarised
-    /// parallel to the plane of incidence.
+    // Albedos and transmittance are set in order 0 alone.
+    /// At the incident cosines, mirrors included: the plane albedo for unpolarised light, and its
+    /// change for light fully polarised parallel to the plane of incidence.
     std::vector<double> plane_albedo, polarised_plane_albedo;
     double spherical_albedo = 0.0;  ///< of uniform unpolarised light
     /// Where ScaledStack::transmits: the net flux into the ground, for light from each incident
@@ -51,29 +50,28 @@ struct StackOrder {
 };
 
 /// The matrices and tables of StackSolver, used again for the next Fourier order and the next
-/// stack. Solving many wavelengths in the same memory saves 15 % of the time at 16 nodes and 14 %
-/// at 32, because tables stay and the system gives no new pages (31 coated half-spaces, 100 pairs
-/// of directions). Results are the same to the last bit. At n nodes and c components these are
-/// about 25 matrices of c n rows: 1.8 MB for n = 32, c = 3. Not thread-safe.
+/// stack: about 25 matrices of c n rows for n nodes and c components (1.8 MB for n = 32, c = 3).
+/// That saves 15 % of the time at 16 nodes and 14 % at 32 (31 coated half-spaces, 100 pairs of
+/// directions) and changes no bit of the results. Not thread-safe.
 struct StackMemory {
     // Tables of the present order for 1 component and for more, by refractive index.
     std::vector<FourierModes> tables = {};
     std::vector<const FourierMode*> modes = {};
     std::vector<StokesTables> stokes_tables = {};
     FourierMode stokes_mode = {};  ///< of the present block and medium
-    FourierMedium medium = {};     ///< the present one
+    FourierMedium medium = {};     ///< of the present step (set_medium)
     FourierWork work = {};
     CoupledWork coupled = {};
     LayerOperator layer = {};
     GroundOrders ground = {};
-    /// Two for each refractive index (sizes differ from index to index): the layers solved so far,
-    /// and the same with the next step on top.
+    /// Two for each refractive index (sizes differ from index to index): one holds the layers
+    /// solved so far, the other receives the next step.
     std::vector<std::array<Reflector, 2>> reflectors = {};
     std::vector<RequestedDirections> requested = {};  ///< by refractive index
     std::vector<KnownBoundary> boundaries = {};
     std::vector<double> brightness = {};  ///< of half-spaces in order 0, by medium
-    /// At the rows of the nodes in air: downward radiance of the sky, weights of the light that
-    /// enters, and uniform light.
+    /// At the rows of the nodes in air: radiance of the sky, weights of the light that enters, and
+    /// a uniform sky.
     Eigen::VectorXd sky = {}, let_in = {}, uniform = {};
     StackOrder order = {};
 };
@@ -81,11 +79,11 @@ struct StackMemory {
 /// One step of StackSolver, with its result; pointers are valid during the call.
 struct StackStep {
     /// `mirrors`: all layers below a rough boundary, in an order in which nothing is scattered;
-    /// `whole`: the block is complete.
+    /// `whole`: the end of the block.
     enum class Kind { half_space, ground, mirrors, layer, boundary, rough_top, whole };
     Kind kind;
     const Reflector* result;
-    const Reflector* below = nullptr;           ///< the layers that the step was put on
+    const Reflector* below = nullptr;           ///< the layers before this step
     std::size_t medium = 0;                     ///< of a half-space or layer
     const FourierMode* mode = nullptr;          ///< of a half-space, layer or ground
     const FourierMedium* scattering = nullptr;  ///< of a half-space or layer
@@ -102,6 +100,8 @@ struct StackStep {
 /// Is called after each step, from the bottom up.
 class StackFollower {
   public:
+    /// Half-spaces, layers and boundaries of blocks that couple V (unsymmetric equations) are left
+    /// out.
     virtual void follow(const StackStep& step) = 0;
 
   protected:
@@ -109,8 +109,8 @@ class StackFollower {
 };
 
 /// Solves the base and puts coats and boundaries on it. A Fourier order of Stokes vectors falls
-/// into blocks of components that do not mix (stokes_blocks), each solved with as many rows for a
-/// node; unpolarised light (one component) is the case of one block with one row. Not thread-safe.
+/// into blocks of components that do not mix (stokes_blocks). A block of c components has c rows
+/// for each node; unpolarised light is one block with c = 1. Not thread-safe.
 class StackSolver {
   public:
     /// The arguments must outlive this.
@@ -131,20 +131,19 @@ class StackSolver {
     /// Solves the whole stack with its boundary; in order 0 with albedos.
     /// @return valid until the next call
     const StackOrder& solve(int fourier_order);
-    /// Solves order 0 of I (and Q), which is enough for albedos. `plane_albedo` is the flux
-    /// weighted by `let_out`, `spherical_albedo` that of light which enters weighted by `let_in`.
+    /// Solves order 0 of I (and Q), which is enough for albedos. `let_in` and `let_out` weigh light
+    /// that enters and leaves: the plane albedo counts flux by `let_out`, the spherical albedo is
+    /// that of light weighted by `let_in`.
     /// @param let_in, let_out  at the nodes of StackGrids::top, times flux_weights
     const StackOrder& solve_albedos(const Eigen::VectorXd& let_in, const Eigen::VectorXd& let_out);
 
-    /// Calls the follower after each step; blocks that couple V (unsymmetric equations) call it at
-    /// the end alone.
     void let_follow(StackFollower& follower) { follower_ = &follower; }
     /// Writes R^m of the present block into StackOrder::multiple of all components.
     void spread_block(const Eigen::MatrixXd& solved, Eigen::MatrixXd& all) const;
     const StokesBlock& block() const { return *block_; }
 
   private:
-    /// Nodes and requested cosines of a medium, repeated; by the number of rows of a node.
+    /// Nodes and requested cosines of a medium, each repeated c times; indexed by c.
     struct Rows {
         std::array<ZenithGrid, 5> grids;
         std::array<RequestedDirections, 5> requested;
@@ -156,34 +155,34 @@ class StackSolver {
                      const Eigen::VectorXd* let_out = nullptr);
     void find_skies(const Eigen::VectorXd* let_in, const Eigen::VectorXd* let_out);
     void spread_over_rows(const Eigen::VectorXd& at_nodes, Eigen::VectorXd& rows) const;
-    /// Solves the base, or the topmost coat that is a half-space in this order, because it hides
-    /// the layers below.
+    /// Solves the base, or the topmost coat that hides the layers below in this order and is solved
+    /// as a half-space.
     /// @return the place of the next coat in ScaledStack::media
     std::size_t solve_lowest();
     /// Sets the reflection of all layers below a rough boundary in an order in which none scatters.
     /// @return the number of media: no coat is left
     std::size_t solve_mirrors();
     void solve_base();
-    /// @param medium  that set_medium has set
+    /// @pre set_medium(medium)
     void solve_as_half_space(HalfSpaceMethod method, std::size_t medium);
     void solve_ground();
     void find_ground_emission(const FourierMode& mode, const ZenithGrid& grid,
                               const RequestedDirections& requested, Reflector& ground) const;
     void put_on_coat(std::size_t medium, ReflectorParts parts);
     void put_on_boundary(double below, double above, ReflectorParts parts);
-    /// The boundary to air.
+    /// Puts on the boundary to air.
     void put_on_top(ReflectorParts parts);
     const SmoothBoundary& boundary_between(double below, double above);
     Eigen::VectorXd mirror_at(double index, const Eigen::VectorXd& mu) const;
-    /// Sets memory_.medium; degrees for which the medium has no moments scatter nothing.
+    /// Sets memory_.medium.
     void set_medium(std::size_t medium);
     void keep_pairs();
     void tell(StackStep step) const;
     void keep_albedos();
-    /// False where transmittance is wanted, or a method of the paper, which treats every layer.
+    /// False where transmittance is wanted, or where a method of the paper treats every layer.
     bool may_leave_out_layers() const;
-    /// Whether V is coupled to U (by total reflection, metals or b2), which makes the equations of
-    /// the present block unsymmetric.
+    /// Whether the present block couples V to U (by total reflection, metals or b2), which makes
+    /// its equations unsymmetric.
     bool is_coupled() const;
 
     Reflector& free_reflector(double index);
@@ -192,8 +191,8 @@ class StackSolver {
     const StokesTables& stokes_tables_of(double index) const {
         return memory_.stokes_tables[place_of(index)];
     }
-    /// Nodes and requested cosines: grid_of and requested_in repeat each as often as the block has
-    /// rows, nodes_of and cosines_in have each once.
+    /// Nodes and requested cosines in a medium: grid_of and requested_in have one for each row of
+    /// the block, nodes_of and cosines_in have each once.
     const ZenithGrid& grid_of(double index) const;
     const ZenithGrid& nodes_of(double index) const { return grids_.of(index); }
     const RequestedDirections& requested_in(double index) const;
@@ -207,10 +206,10 @@ class StackSolver {
     const SolverOptions& options_;
     const int components_;
     double tolerance_;  ///< of the equations of one order
-    /// There are boundaries or mirrors: the rows of Stokes vectors are then parallel and
-    /// perpendicular to the meridian plane in place of I and Q.
+    /// There are boundaries or mirrors. The first two rows of Stokes vectors are then light
+    /// polarised parallel and perpendicular to the meridian plane, in place of I and Q.
     const bool has_fresnel_;
-    bool couples_V_ = false;                  ///< b2, or boundaries and mirrors
+    bool couples_V_ = false;                  ///< by b2, boundaries or mirrors
     std::vector<MatrixStrengths> strengths_;  ///< of the media, for Stokes vectors
     std::vector<Rows> rows_;                  ///< by index, for Stokes vectors
     std::unique_ptr<RoughTop> rough_top_;

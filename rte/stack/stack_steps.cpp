@@ -9,73 +9,6 @@
 
 namespace miebrdf::rte {
 
-void StackSolver::put_on_top(ReflectorParts parts) {
-    if (!rough_top_) {
-        put_on_boundary(stack_.top_index, 1.0, parts);
-        return;
-    }
-    Reflector& result = free_reflector(1.0);
-    rough_top_->put_on(fourier_order_, *reflector_, parts, result);
-    tell({.kind = StackStep::Kind::rough_top,
-          .result = &result,
-          .below = reflector_,
-          .requested = &asked_,
-          .rough = rough_top_.get()});
-    reflector_ = &result;
-}
-
-// Reflectances are the same in all Fourier orders, and in stacks of the same indices.
-const SmoothBoundary& StackSolver::boundary_between(double below, double above) {
-    constexpr std::size_t most = 8;
-    const Eigen::VectorXd& nodes = grids_.of(below).mu;
-    const RequestedDirections& requested = requested_in(below);
-    const auto alike = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-        return a.size() == b.size() && a == b;
-    };
-    for (const KnownBoundary& known : memory_.boundaries) {
-        const SmoothBoundary& boundary = known.boundary;
-        if (boundary.index_below == below && boundary.index_above == above &&
-            boundary.nodes_above == grids_.refraction().nodes_below(above) &&
-            alike(known.nodes, nodes) && alike(known.requested, requested.mu)) {
-            return boundary;
-        }
-    }
-    if (memory_.boundaries.size() == most) memory_.boundaries.erase(memory_.boundaries.begin());
-    memory_.boundaries.push_back(
-        {SmoothBoundary(below, above, grids_.refraction(), requested), nodes, requested.mu});
-    return memory_.boundaries.back().boundary;
-}
-
-void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts) {
-    Reflector& result = free_reflector(above);
-    const auto tell_of = [&](const SmoothBoundary& boundary) {
-        tell({.kind = StackStep::Kind::boundary,
-              .result = &result,
-              .below = reflector_,
-              .requested = &requested_in(below),
-              .boundary = &boundary});
-    };
-    if (components_ == 1) {
-        const SmoothBoundary& boundary = boundary_between(below, above);
-        put_boundary_on(boundary, *reflector_, requested_in(below), parts, memory_.sky,
-                        memory_.work, result);
-        tell_of(boundary);
-    } else {
-        const FresnelReflections matrices(below, above, nodes_of(below), nodes_of(above),
-                                          cosines_in(below));
-        if (is_coupled()) {
-            put_boundary_on_coupled(matrices, *block_, requested_in(below), parts, *reflector_,
-                                    result);
-        } else {
-            const SmoothBoundary boundary = polarised_boundary(matrices, *block_);
-            put_boundary_on(boundary, *reflector_, requested_in(below), parts, memory_.sky,
-                            memory_.work, result);
-            tell_of(boundary);
-        }
-    }
-    reflector_ = &result;
-}
-
 void StackSolver::set_medium(std::size_t medium) {
     const ScaledMedium& of_stack = stack_.media[medium];
     FourierMedium& seen = memory_.medium;
@@ -108,7 +41,7 @@ std::size_t StackSolver::solve_lowest() {
     const double allowed = tolerance_ * std::min(stack_.brightness, 1.0);
     for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
         const double depth = stack_.media[c].scaled_optical_depth;
-        if (!hides_in_fourier_order({}, depth, allowed)) continue;  // even if it scatters nothing
+        if (!hides_in_fourier_order({}, depth, allowed)) continue;  // not even without scattering
         set_medium(c);
         if (!hides_in_fourier_order(memory_.medium, depth, allowed)) continue;
         solve_as_half_space(HalfSpaceMethod::automatic, c);
@@ -262,6 +195,74 @@ void StackSolver::put_on_coat(std::size_t medium, ReflectorParts parts) {
               .layer = &layer,
               .eigenmodes = &memory_.work.eigenmode_solver});
     }
+    reflector_ = &result;
+}
+
+// Boundaries are kept, because reflectances are the same in all Fourier orders and in all stacks of
+// the same indices.
+const SmoothBoundary& StackSolver::boundary_between(double below, double above) {
+    constexpr std::size_t most = 8;
+    const Eigen::VectorXd& nodes = grids_.of(below).mu;
+    const RequestedDirections& requested = requested_in(below);
+    const auto alike = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return a.size() == b.size() && a == b;
+    };
+    for (const KnownBoundary& known : memory_.boundaries) {
+        const SmoothBoundary& boundary = known.boundary;
+        if (boundary.index_below == below && boundary.index_above == above &&
+            boundary.nodes_above == grids_.refraction().nodes_below(above) &&
+            alike(known.nodes, nodes) && alike(known.requested, requested.mu)) {
+            return boundary;
+        }
+    }
+    if (memory_.boundaries.size() == most) memory_.boundaries.erase(memory_.boundaries.begin());
+    memory_.boundaries.push_back(
+        {SmoothBoundary(below, above, grids_.refraction(), requested), nodes, requested.mu});
+    return memory_.boundaries.back().boundary;
+}
+
+void StackSolver::put_on_boundary(double below, double above, ReflectorParts parts) {
+    Reflector& result = free_reflector(above);
+    const auto tell_of = [&](const SmoothBoundary& boundary) {
+        tell({.kind = StackStep::Kind::boundary,
+              .result = &result,
+              .below = reflector_,
+              .requested = &requested_in(below),
+              .boundary = &boundary});
+    };
+    if (components_ == 1) {
+        const SmoothBoundary& boundary = boundary_between(below, above);
+        put_boundary_on(boundary, *reflector_, requested_in(below), parts, memory_.sky,
+                        memory_.work, result);
+        tell_of(boundary);
+    } else {
+        const FresnelReflections matrices(below, above, nodes_of(below), nodes_of(above),
+                                          cosines_in(below));
+        if (is_coupled()) {
+            put_boundary_on_coupled(matrices, *block_, requested_in(below), parts, *reflector_,
+                                    result);
+        } else {
+            const SmoothBoundary boundary = polarised_boundary(matrices, *block_);
+            put_boundary_on(boundary, *reflector_, requested_in(below), parts, memory_.sky,
+                            memory_.work, result);
+            tell_of(boundary);
+        }
+    }
+    reflector_ = &result;
+}
+
+void StackSolver::put_on_top(ReflectorParts parts) {
+    if (!rough_top_) {
+        put_on_boundary(stack_.top_index, 1.0, parts);
+        return;
+    }
+    Reflector& result = free_reflector(1.0);
+    rough_top_->put_on(fourier_order_, *reflector_, parts, result);
+    tell({.kind = StackStep::Kind::rough_top,
+          .result = &result,
+          .below = reflector_,
+          .requested = &asked_,
+          .rough = rough_top_.get()});
     reflector_ = &result;
 }
 

@@ -20,7 +20,7 @@ Stack turned_over(Stack stack) {
     return stack;
 }
 
-/// Media with depth, from the bottom up.
+/// The media of depth > 0, from the bottom up.
 std::vector<std::size_t> scattering_media(const ScaledStack& stack) {
     std::vector<std::size_t> list;
     for (std::size_t k = 0; k < stack.media.size(); ++k) {
@@ -30,8 +30,8 @@ std::vector<std::size_t> scattering_media(const ScaledStack& stack) {
 }
 
 /// Upward light of one Fourier order on top of the layers solved so far, for a beam from below in
-/// each requested direction (columns): U = 2 D T at the nodes, T between requested cosines, and the
-/// unscattered share of the beam.
+/// each requested direction (column): `at_nodes_` = U = 2 D T, `pairs_` = T between requested
+/// cosines, `beam_` = the unscattered share of the beam.
 class Emission final : public StackFollower {
   public:
     void follow(const StackStep& step) override {
@@ -39,7 +39,7 @@ class Emission final : public StackFollower {
         if (step.kind == StackStep::Kind::layer) pass_layer(step);
         if (step.kind == StackStep::Kind::boundary) pass_boundary(step);
     }
-    /// T between requested cosines, row = above, column = below.
+    /// T between requested cosines: row = cosine above, column = cosine below.
     const Eigen::MatrixXd& pairs() const { return pairs_; }
 
   private:
@@ -151,7 +151,7 @@ TransmittedOrders tabulate_transmission(const Stack& stack, const std::vector<do
     const double tolerance = kFourierTailShare * options.tolerance;
     FourierTail tail(tolerance);
     FourierSizes sizes;
-    const int highest = highest_fourier_order(requested, solver.fourier_orders(), {});
+    const int highest = count_of_fourier_orders(requested, solver.fourier_orders(), {});
     for (int m = 0; m < highest; ++m) {
         const StackOrder& order = solver.solve(m);
         film.physical = order.physical;
