@@ -1,4 +1,4 @@
-// The BRDF of a scene: one solver for everyone who wants values, albedos or tables of it.
+// The BRDF of a scene: values, albedos, tables and derivatives.
 #include <fmt/format.h>
 #include <miebrdf/brdf.h>
 #include <miebrdf/error.h>
@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 
-#include "pipeline/solve/brdf_parts.h"
+#include "pipeline/cache/job_key.h"
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/checks.h"
+#include "pipeline/solve/layer_derivatives.h"
 #include "pipeline/solve/layers.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
@@ -30,7 +33,7 @@ void validate_wavelengths(const std::vector<double>& wavelength_nm) {
     }
 }
 
-/// The lobe and what it lets through of the layers: eq. 5.
+/// Eq. 5: the lobe, and the light of the layers that the surface lets through.
 /// @param total  the lobe
 std::vector<double> total_of(std::vector<double> total, const SurfacePart& surface,
                              const std::vector<double>& subsurface) {
@@ -46,19 +49,19 @@ std::vector<double> total_of(std::vector<double> total, const SurfacePart& surfa
     return total;
 }
 
-void raise(std::optional<double>& largest, double value) {
+void keep_largest(std::optional<double>& largest, double value) {
     largest = std::max(largest.value_or(0.0), value);
 }
 
-/// The largest share of light that comes back: of the layers A, of the whole rho + (1 - rho) A
-/// (eq. 5; the reciprocal coupling gives that in the mean over incidences only, so it is left out).
+/// The largest albedo: A of the layers, rho + (1 - rho) A of the whole (eq. 5). With the reciprocal
+/// coupling the whole has that albedo in the mean over incidences only, and none is stated.
 void add_energy(BrdfValues::Slice& slice, const std::vector<double>& plane_albedo,
                 const SurfacePart* surface, rte::SurfaceCoupling coupling) {
     for (std::size_t i = 0; i < plane_albedo.size(); ++i) {
-        raise(slice.layers_physics.largest_albedo, plane_albedo[i]);
+        keep_largest(slice.layers_physics.largest_albedo, plane_albedo[i]);
         if (surface != nullptr && !surface->in.empty() && coupling == rte::SurfaceCoupling::paper) {
-            raise(slice.physics.largest_albedo,
-                  1.0 - surface->in[i] + surface->in[i] * plane_albedo[i]);
+            keep_largest(slice.physics.largest_albedo,
+                         1.0 - surface->in[i] + surface->in[i] * plane_albedo[i]);
         }
     }
     if (surface == nullptr) slice.physics.largest_albedo = slice.layers_physics.largest_albedo;
@@ -72,8 +75,7 @@ void add_physics(BrdfValues::Slice& slice, const Directions& directions) {
     if (!whole.empty()) slice.physics = physics_of(whole, directions);
 }
 
-}  // namespace
-
+/// The lobe and transmission of the surface; nothing where the parts wanted have none.
 std::optional<SurfacePart> surface_of(const ResolvedScene& scene, std::size_t w,
                                       const Directions& directions, const BrdfParts& parts,
                                       const Control& control) {
@@ -82,6 +84,8 @@ std::optional<SurfacePart> surface_of(const ResolvedScene& scene, std::size_t w,
     return surface_part(scene, w, directions, demand, control);
 }
 
+/// The parts wanted of a BRDF at one wavelength.
+/// @param surface  surface_of()
 BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene,
                            const std::optional<SurfacePart>& surface, const Directions& directions,
                            const BrdfParts& parts) {
@@ -95,7 +99,7 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene,
     }
     add_physics(slice, directions);
     add_energy(slice, layer.plane_albedo, surface ? &*surface : nullptr, scene.coupling);
-    // Without a surface the whole is the layers: one list, if nobody asked for both.
+    // Without a surface the whole is the layers: their list is copied only if both are wanted.
     if (!scene.surface && parts.total) {
         slice.total = parts.subsurface ? slice.subsurface : std::move(slice.subsurface);
     }
@@ -103,6 +107,7 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene,
     return slice;
 }
 
+/// The layers, solved where the parts wanted need them.
 std::vector<LayerSlice> layers_of(const BrdfState& state, const Directions& directions,
                                   const BrdfParts& parts) {
     const ResolvedScene& scene = state.resolved;
@@ -130,6 +135,7 @@ BrdfValues brdf_values(std::vector<LayerSlice> layers, const BrdfState& state,
     return values;
 }
 
+/// Splits the values of layers (LayerSlice) into the lists of AlbedoValues.
 AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& scene,
                            const std::vector<double>& mu_in, const SolverOptions& solver) {
     AlbedoValues values;
@@ -153,6 +159,7 @@ AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& 
     return values;
 }
 
+/// @param layers  of albedo_quantity(), without the surface
 AlbedoValues albedo_of(const BrdfState& state, std::vector<LayerSlice> layers,
                        const std::vector<double>& mu_in) {
     const ResolvedScene& scene = state.resolved;
@@ -166,6 +173,52 @@ AlbedoValues albedo_of(const BrdfState& state, std::vector<LayerSlice> layers,
     values.notes = scene.notes;
     return values;
 }
+
+using Numbers = std::vector<double>;
+
+/// values + step * slope; an empty slope is 0.
+Numbers moved(const Numbers& values, const Numbers& slope, double step) {
+    Numbers result = values;
+    for (std::size_t k = 0; k < slope.size() && k < result.size(); ++k)
+        result[k] += step * slope[k];
+    return result;
+}
+
+Numbers slope(const Numbers& plus, const Numbers& minus, double apart) {
+    Numbers result(plus.size());
+    for (std::size_t k = 0; k < result.size() && apart != 0.0; ++k)
+        result[k] = (plus[k] - minus[k]) / apart;
+    return result;
+}
+
+/// The layers with a number of the scene changed by `step`.
+LayerSlice moved(const LayerSlice& values, const LayerSlice& slope, double step) {
+    LayerSlice result;
+    result.values = moved(values.values, slope.values, step);
+    result.transmittance = moved(values.transmittance, slope.transmittance, step);
+    result.mirror_reflectance = moved(values.mirror_reflectance, slope.mirror_reflectance, step);
+    result.polarised_plane_albedo =
+        moved(values.polarised_plane_albedo, slope.polarised_plane_albedo, step);
+    return result;
+}
+
+/// Names all that the surface depends on: a change of the layers alone leaves it as it is.
+std::string surface_key(const ResolvedScene& scene, std::size_t w) {
+    JobKey key("surface");
+    if (scene.surface) add_surface(key, scene, w);
+    return key.hash();
+}
+
+/// put_together(layers, scene) on both sides of a change, at one wavelength.
+template <typename PutTogether>
+auto both_sides(const LayerSlice& values, const LayerSlice& slope, const SceneChange& change,
+                std::size_t w, const PutTogether& put_together) {
+    const double half = 0.5 * change.apart[w];
+    return std::pair(put_together(moved(values, slope, half), change.plus),
+                     put_together(moved(values, slope, -half), change.minus));
+}
+
+}  // namespace
 
 Brdf solve(const Scene& scene, const std::vector<double>& wavelength_nm,
            const SolverOptions& options, const Control& control) {
@@ -223,5 +276,111 @@ const Scene& Brdf::scene() const { return state_->scene; }
 const std::vector<double>& Brdf::wavelength_nm() const { return state_->resolved.wavelength_nm; }
 const SolverOptions& Brdf::options() const { return state_->solver; }
 const std::vector<std::string>& Brdf::sources() const { return state_->resolved.sources; }
+
+// Derivatives: of the layers by closed forms, of the whole by putting the surface on layers that
+// are changed by half a step up and down.
+
+struct BrdfDerivatives::State {
+    std::shared_ptr<const BrdfState> brdf;
+    std::vector<std::string> parameters;
+    std::vector<SceneChange> changes;
+};
+
+BrdfDerivatives Brdf::derivatives(const std::vector<std::string>& parameters) const {
+    auto state = std::make_shared<BrdfDerivatives::State>();
+    state->brdf = state_;
+    state->parameters = parameters;
+    state->changes.reserve(parameters.size());
+    for (auto name = parameters.begin(); name != parameters.end(); ++name) {
+        if (std::find(parameters.begin(), name, *name) != name)
+            throw UsageError("derivatives by '" + *name + "' are asked for twice");
+        state->changes.push_back(change_of(*state_, *name));
+    }
+    return BrdfDerivatives(std::move(state));
+}
+
+const std::vector<std::string>& BrdfDerivatives::parameters() const { return state_->parameters; }
+
+WithDerivatives<BrdfValues> BrdfDerivatives::evaluate(const Directions& directions,
+                                                      const BrdfParts& parts) const {
+    rte::validate(directions);
+    const BrdfState& brdf = *state_->brdf;
+    const std::vector<LayerSlice> layers = layers_of(brdf, directions, parts);
+    WithDerivatives<BrdfValues> all{
+        brdf_values(layers, brdf, directions, parts), state_->parameters, {}};
+    if (has_no_pairs(directions)) {
+        BrdfValues none;
+        none.directions = directions;
+        none.slices.resize(layers.size());
+        all.derivatives.assign(state_->changes.size(), none);
+        return all;
+    }
+    const auto slopes =
+        layer_derivatives({brdf.resolved, directions, brdf.solver, LayerQuantity::reflection},
+                          layers, state_->changes, brdf.control);
+    for (std::size_t c = 0; c < slopes.size(); ++c) {
+        BrdfValues& derivative = all.derivatives.emplace_back();
+        derivative.directions = directions;
+        derivative.slices.resize(layers.size());
+    }
+    run_parallel("surface", layers.size(), brdf.control, [&](std::size_t w) {
+        const auto surface = surface_of(brdf.resolved, w, directions, parts, brdf.control);
+        const std::string key = surface_key(brdf.resolved, w);
+        for (std::size_t c = 0; c < slopes.size(); ++c) {
+            const SceneChange& change = state_->changes[c];
+            const auto [plus, minus] = both_sides(
+                layers[w], slopes[c][w], change, w,
+                [&](LayerSlice layer, const ResolvedScene& scene) {
+                    return slice_of(std::move(layer), scene,
+                                    surface_key(scene, w) == key
+                                        ? surface
+                                        : surface_of(scene, w, directions, parts, brdf.control),
+                                    directions, parts);
+                });
+            const double apart = change.apart[w];
+            BrdfValues::Slice& slice = all.derivatives[c].slices[w];
+            slice.subsurface = slope(plus.subsurface, minus.subsurface, apart);
+            slice.surface = slope(plus.surface, minus.surface, apart);
+            slice.total = slope(plus.total, minus.total, apart);
+            slice.mirror_reflectance =
+                slope(plus.mirror_reflectance, minus.mirror_reflectance, apart);
+        }
+    });
+    return all;
+}
+
+WithDerivatives<AlbedoValues> BrdfDerivatives::albedo(const std::vector<double>& mu_in) const {
+    const BrdfState& brdf = *state_->brdf;
+    const LayerRequest request{
+        brdf.resolved, {mu_in, {}, {}}, brdf.solver, albedo_quantity(brdf.resolved)};
+    rte::validate(request.directions);
+    const std::vector<LayerSlice> layers = compute_layers(request, brdf.control);
+    WithDerivatives<AlbedoValues> all{albedo_of(brdf, layers, mu_in), state_->parameters, {}};
+    const auto slopes = layer_derivatives(request, layers, state_->changes, brdf.control);
+    for (std::size_t c = 0; c < slopes.size(); ++c) {
+        std::vector<LayerSlice> whole(layers.size());
+        run_parallel("surface", layers.size(), brdf.control, [&](std::size_t w) {
+            const SceneChange& change = state_->changes[c];
+            const auto [plus, minus] = both_sides(
+                layers[w], slopes[c][w], change, w,
+                [&](LayerSlice layer, const ResolvedScene& scene) {
+                    if (scene.surface)
+                        SurfaceOverAlbedos(scene, mu_in, {w}, brdf.control).add_to(w, layer.values);
+                    return layer;
+                });
+            const double apart = change.apart[w];
+            whole[w].values = slope(plus.values, minus.values, apart);
+            whole[w].transmittance = slope(plus.transmittance, minus.transmittance, apart);
+            whole[w].mirror_reflectance =
+                slope(plus.mirror_reflectance, minus.mirror_reflectance, apart);
+            whole[w].polarised_plane_albedo =
+                slope(plus.polarised_plane_albedo, minus.polarised_plane_albedo, apart);
+        });
+        AlbedoValues& derivative = all.derivatives.emplace_back(
+            albedo_values(std::move(whole), brdf.resolved, mu_in, brdf.solver));
+        derivative.wavelengths.clear();
+    }
+    return all;
+}
 
 }  // namespace miebrdf

@@ -14,7 +14,7 @@ namespace {
 
 /// A function of a cosine at all wavelengths.
 Eigen::VectorXd at_nodes(const CompactTable::OfCosine& function, double mu) {
-    const SixNodes six = SixNodes::of_share(mu, CompactTable::kCosines);
+    const SixNodes six = SixNodes::around(mu, CompactTable::kCosines);
     const Eigen::Map<const Eigen::Matrix<double, 6, 1>> weight(six.weight.data());
     return function.middleCols<6>(Eigen::Index(six.first)) * weight;
 }
@@ -147,7 +147,7 @@ double CompactTable::let_in(std::size_t wavelength, double mu) const {
 Eigen::VectorXf CompactTable::scattered_repeatedly(double mu_in, double mu_out,
                                                    double cos_azimuth) const {
     const auto count = std::size_t(pair_cosines_);
-    const SixNodes in = SixNodes::of_share(mu_in, count), out = SixNodes::of_share(mu_out, count);
+    const SixNodes in = SixNodes::around(mu_in, count), out = SixNodes::around(mu_out, count);
     // cos(m azimuth).
     Eigen::ArrayXf harmonics(*std::max_element(orders_.begin(), orders_.end()));
     double before = cos_azimuth, here = 1.0;
@@ -180,7 +180,7 @@ Eigen::VectorXf CompactTable::scattered_singly(double mu_in, double mu_out,
     Eigen::VectorXf sum = Eigen::VectorXf::Zero(count);
     if (angles_ == 0) return sum;
     const double theta = std::acos(rte::cos_scattering_angle(mu_in, mu_out, cos_azimuth));
-    const SixNodes angle = SixNodes::of_share(theta / std::numbers::pi, std::size_t(angles_));
+    const SixNodes angle = SixNodes::around(theta / std::numbers::pi, std::size_t(angles_));
     Eigen::VectorXf in_basis = Eigen::VectorXf::Zero(single_rows_.basis.rows());
     for (std::size_t k = 0; k < SixNodes::kCount; ++k)
         in_basis += float(angle.weight[k]) * single_rows_.basis.col(Eigen::Index(angle.first + k));

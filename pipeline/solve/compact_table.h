@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/solve/cosine_nodes.h"
 #include "pipeline/solve/low_rank.h"
+#include "pipeline/solve/smooth_part.h"
 
 namespace miebrdf {
 

@@ -1,4 +1,4 @@
-// A solved table for a million directions: light scattered once joins the azimuthal series.
+// for_many_directions: a solved table whose azimuthal series hold light scattered once as well.
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -11,14 +11,15 @@
 namespace miebrdf {
 namespace {
 
-/// Of the tolerance: what the series may lose, over the largest value at an incidence.
+/// (Error of the series) / (the largest value at the incidence) is at most this x the tolerance.
 constexpr double kSeriesShare = 0.1;
-/// Intervals of half a turn to try; the first three quarters of as many orders are kept.
+/// Series are made from samples at azimuths 180 j / n degrees, j = 0 ... n, for the first n that is
+/// enough. Orders m >= 3n/4 are dropped: samples cannot tell them from orders 2n - m.
 constexpr std::array<int, 3> kIntervals = {32, 64, 128};
 constexpr int orders_of(int intervals) { return 3 * intervals / 4; }
 
-/// Orders from samples at azimuths 180 j / n degrees: column = order, row = sample.
-Eigen::MatrixXd analysis(int n) {
+/// Turns samples (row) into orders (column).
+Eigen::MatrixXd samples_to_orders(int n) {
     Eigen::MatrixXd result(n + 1, orders_of(n));
     for (int j = 0; j <= n; ++j) {
         for (int m = 0; m < orders_of(n); ++m) {
@@ -36,7 +37,7 @@ std::vector<double> cosines_of_azimuths(int n) {
     return list;
 }
 
-/// R of light scattered once, before the surface: row = wavelength, column = azimuth.
+/// R of light scattered once, without the surface: row = wavelength, column = azimuth.
 Eigen::MatrixXd scattered_once(const SharpPart& part, double mu_in, double mu_out,
                                std::span<const double> cos_azimuth,
                                rte::SpectralFirstOrder::Scratch& scratch) {
@@ -46,10 +47,10 @@ Eigen::MatrixXd scattered_once(const SharpPart& part, double mu_in, double mu_ou
     return values;
 }
 
-/// The fewest intervals of kIntervals whose orders hold the azimuths; 0: none do.
+/// The first of kIntervals whose orders are enough at some pairs of cosines; 0: none is.
 int intervals_for(const SharpPart& part, double tolerance) {
     constexpr int n = kIntervals.back();
-    const Eigen::MatrixXd to_orders = analysis(n);
+    const Eigen::MatrixXd to_orders = samples_to_orders(n);
     const std::vector<double> cos_azimuth = cosines_of_azimuths(n);
     rte::SpectralFirstOrder::Scratch scratch;
     std::vector<double> smooth;
@@ -76,17 +77,17 @@ int intervals_for(const SharpPart& part, double tolerance) {
     return 0;
 }
 
-/// Light scattered once as the surface lets it through, at the nodes.
+/// Series of light scattered once that the surface lets through, by wavelength.
 std::vector<SmoothPart> series_of(const SharpPart& part, int n, const Control& control) {
     const std::vector<double>& nodes = SmoothPart::nodes();
     const std::size_t orders = std::size_t(orders_of(n)), count = nodes.size();
-    const Eigen::MatrixXd to_orders = analysis(n);
+    const Eigen::MatrixXd to_orders = samples_to_orders(n);
     const std::vector<double> cos_azimuth = cosines_of_azimuths(n);
     std::vector<std::vector<double>> modes(part.wavelengths());
     for (auto& of_wavelength : modes) of_wavelength.resize(count * count * orders);
     run_parallel("light scattered once", count, control, [&](std::size_t i) {
         rte::SpectralFirstOrder::Scratch scratch;
-        for (std::size_t o = i; o < count; ++o) {  // reciprocal but for the surface
+        for (std::size_t o = i; o < count; ++o) {  // without the surface R is reciprocal
             const Eigen::MatrixXd series =
                 scattered_once(part, nodes[i], nodes[o], cos_azimuth, scratch) * to_orders *
                 (nodes[i] + nodes[o]);
@@ -108,14 +109,14 @@ std::vector<SmoothPart> series_of(const SharpPart& part, int n, const Control& c
     return parts;
 }
 
-/// Whether the series are near enough to the exact values halfway between the nodes, where
-/// interpolation is worst, retro-reflection and the horizon among them.
-bool holds(const std::vector<SmoothPart>& series, const SharpPart& part, double tolerance,
-           const Control& control) {
+/// Whether the series agree with exact values halfway between the nodes, where interpolation is
+/// worst, from retro-reflection to the horizon.
+bool are_accurate(const std::vector<SmoothPart>& series, const SharpPart& part, double tolerance,
+                  const Control& control) {
     constexpr std::size_t kSteps = SmoothPart::kNodes - 1;
     // Below the second node values are exact (SolvedTable::instead).
     constexpr std::array<std::size_t, 11> kIncidences = {1, 2, 4, 8, 13, 19, 26, 33, 40, 45, 47};
-    constexpr int kAzimuths = 15;  // no divisor of the samples
+    constexpr int kAzimuths = 15;  // divides none of kIntervals
     const std::vector<double> cos_azimuth = cosines_of_azimuths(kAzimuths);
     const auto halfway = [](std::size_t k) { return half_sine((double(k) + 0.5) / kSteps); };
     std::array<char, kIncidences.size()> good = {};
@@ -137,7 +138,7 @@ bool holds(const std::vector<SmoothPart>& series, const SharpPart& part, double 
                     const double exact = surface * once(row, Eigen::Index(a));
                     const double missed = math::cosine_sum(of_series, cos_azimuth[a]) - exact;
                     const double all = exact + math::cosine_sum(smooth, cos_azimuth[a]);
-                    // Not std::max alone, which loses NaN.
+                    // std::max would lose NaN.
                     if (!(std::abs(missed) <= error[row])) error[row] = std::abs(missed);
                     largest[row] = std::max(largest[row], std::abs(all));
                 }
@@ -166,7 +167,8 @@ SolvedTable::SolvedTable(const BrdfTable& whole, const Control& control)
         const int intervals = intervals_for(one, solver.tolerance);
         std::vector<SmoothPart> series;
         if (intervals > 0) series = series_of(one, intervals, control);
-        const bool is_smooth = intervals > 0 && holds(series, one, solver.tolerance, control);
+        const bool is_smooth =
+            intervals > 0 && are_accurate(series, one, solver.tolerance, control);
         for (std::size_t w = 0; is_smooth && w < series.size(); ++w)
             wavelengths[first + w].add_smooth(series[w]);
         sharp.emplace_back(one, std::span(wavelengths).subspan(first, one.wavelengths()),

@@ -1,4 +1,5 @@
-#include "pipeline/solve/scene_changes.h"
+// SceneChange: the two sides of a difference.
+#include "pipeline/solve/layer_derivatives.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -13,10 +13,9 @@
 namespace miebrdf {
 namespace {
 
-/// A wavelength of the scene, and its place in the list of those wanted.
 struct Place {
-    std::size_t wavelength;
-    std::size_t place;
+    std::size_t wavelength;  ///< index in the scene
+    std::size_t place;       ///< index in the list of wavelengths wanted
 };
 
 void put_on_ground(const ResolvedScene& scene, std::size_t wavelength, rte::Stack& stack) {
@@ -33,12 +32,13 @@ void put_on_ground(const ResolvedScene& scene, std::size_t wavelength, rte::Stac
     stack.mirror_index = is_free ? 1.0 : scene.mirror_index[wavelength];
 }
 
-/// 1 where nothing looks at it.
+/// The refractive index of a medium's host; 1 in a scene without boundaries.
 double index_of(const ResolvedScene& scene, std::size_t medium, std::size_t wavelength) {
     return scene.has_optical_steps() ? scene.media[medium].host_index[wavelength] : 1.0;
 }
 
-/// Media first ... last - 1, the first as the half-space (but for a substrate).
+/// The stack of media first ... last - 1: the first is the half-space, unless a substrate lies
+/// below.
 rte::Stack stack_of(const ResolvedScene& scene, std::size_t first, std::size_t last, std::size_t w,
                     const std::function<rte::Coat(std::size_t medium)>& layer) {
     rte::Stack stack;
@@ -58,7 +58,7 @@ rte::Stack stack_of(const ResolvedScene& scene, std::size_t first, std::size_t l
     return stack;
 }
 
-/// Stacks the optics of a scene.
+/// Computes optics from the topmost layers down, as far as they are visible.
 class StackBuilder {
   public:
     StackBuilder(const ResolvedScene& scene, const Directions& directions, double tolerance,
@@ -71,7 +71,7 @@ class StackBuilder {
           control_(control),
           depths_(optical_depths_of(scene, wavelengths, demand.tolerance, control)) {}
 
-    /// The optics of those of media 0 ... last - 1 that show.
+    /// The optics of the visible ones of media 0 ... last - 1.
     std::vector<SceneOptics> visible_below(std::size_t last,
                                            const std::vector<Place>& places) const {
         if (places.empty()) return {};
@@ -102,7 +102,7 @@ class StackBuilder {
 
     const std::vector<double>& depths(std::size_t place) const { return depths_[place]; }
 
-    /// Media first ... last - 1, the first as the half-space (but for a substrate).
+    /// The optics of media first ... last - 1 (stack_of).
     std::vector<SceneOptics> stacks_of(std::size_t first, std::size_t last,
                                        const std::vector<Place>& places) const {
         const bool on_ground = first == 0 && scene_.substrate;
@@ -131,7 +131,7 @@ class StackBuilder {
   private:
     double depth(std::size_t medium, Place at) const { return depths_[at.place][medium - 1]; }
 
-    /// Puts `upper`, whose base is a layer of that depth, on `lower`.
+    /// Puts `upper` on `lower`; the base of `upper` becomes a layer of this optical depth.
     static SceneOptics joined(const SceneOptics& lower, const SceneOptics& upper,
                               double optical_depth) {
         SceneOptics whole = lower;
@@ -143,7 +143,8 @@ class StackBuilder {
         return whole;
     }
 
-    /// The topmost of media 1 ... last - 1 that may hide what is below at any wavelength; 0: none.
+    /// The topmost of media 1 ... last - 1 that at some wavelength may hide the media below; 0:
+    /// none.
     std::size_t highest_candidate(std::size_t last, const std::vector<Place>& places) const {
         for (std::size_t medium = last; medium-- > 1;) {
             for (const Place at : places) {

@@ -7,15 +7,15 @@
 namespace miebrdf {
 namespace {
 
-/// Stands for the horizon, where R itself has a limit but mu = 0 is no direction.
+/// The cosine of the first node, in place of 0, which is no direction; R has a limit there.
 constexpr double kHorizon = 1e-9;
-/// Relative to all orders of a pair: what the orders left out of a series may add up to.
+/// (Sum of the last orders that are left out) / (sum of all orders of a pair) is at most this.
 constexpr double kNegligible = 1e-7;
 constexpr std::size_t kLanes = SmoothPart::kLanes;
 
 std::size_t whole_lanes(std::size_t orders) { return (orders + kLanes - 1) / kLanes * kLanes; }
 
-/// How many of a pair's orders matter; all of them where one is not a number.
+/// The number of orders of a pair without the negligible last ones; all if one is NaN.
 std::size_t orders_that_matter(const double* a, std::size_t orders) {
     double all = 0.0;
     for (std::size_t m = 0; m < orders; ++m) all += std::abs(a[m]);
@@ -42,7 +42,7 @@ SmoothPart::SmoothPart(const std::vector<double>& modes, std::size_t orders)
     : orders_(whole_lanes(orders)), modes_(kNodes * kNodes * orders_, 0.0F) {
     for (std::size_t pair = 0; pair < kNodes * kNodes; ++pair) {
         const double* const a = &modes[pair * orders];
-        // The others are zero from here on, so that sums of several parts are exactly that.
+        // The other orders stay 0, so that the sum of two parts has no order that neither has.
         const std::size_t count = orders_that_matter(a, orders);
         std::transform(a, a + count, &modes_[pair * orders_],
                        [](double mode) { return static_cast<float>(mode); });
@@ -57,16 +57,16 @@ void SmoothPart::count_needed() {
         count = orders_;
         while (count > 0 && modes_[pair * orders_ + count - 1] == 0.0F) --count;
     }
-    needed_.assign(kStencils * kStencils, 1);
-    for (std::size_t in = 0; in < kStencils; ++in) {
-        for (std::size_t out = 0; out < kStencils; ++out) {
+    needed_.assign(kPlaces * kPlaces, 1);
+    for (std::size_t in = 0; in < kPlaces; ++in) {
+        for (std::size_t out = 0; out < kPlaces; ++out) {
             std::size_t most = 1;
             for (std::size_t i = 0; i < SixNodes::kCount; ++i) {
                 const auto row =
                     of_pair.begin() + static_cast<std::ptrdiff_t>((in + i) * kNodes + out);
                 most = std::max(most, *std::max_element(row, row + SixNodes::kCount));
             }
-            needed_[in * kStencils + out] = static_cast<std::uint32_t>(most);
+            needed_[in * kPlaces + out] = static_cast<std::uint32_t>(most);
         }
     }
 }
@@ -102,7 +102,7 @@ void SmoothPart::series_at(const SixNodes& in, const SixNodes& out, double mu_su
         series.assign(kLanes, 0.0);
         return;
     }
-    series.resize(whole_lanes(needed_[in.first * kStencils + out.first]));
+    series.resize(whole_lanes(needed_[in.first * kPlaces + out.first]));
     math::SeriesTable::Weights weight_in, weight_out;
     for (std::size_t j = 0; j < SixNodes::kCount; ++j) {
         weight_in[j] = static_cast<float>(in.weight[j] / mu_sum);

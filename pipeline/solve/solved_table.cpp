@@ -86,9 +86,7 @@ SolvedWavelength::SolvedWavelength(const ResolvedScene& scene, std::size_t w,
                                    int unchecked_nodes, rte::SolutionMemory& memory,
                                    const Control& control) {
     report_.converged = report_.solver.converged = true;
-    if (part == BrdfPart::surface) {
-        // Nothing of the layers is wanted.
-    } else {
+    if (part != BrdfPart::surface) {
         solve(optics, solver, light.components, whole_matrix, unchecked_nodes, memory);
         state_light(light, report_);
     }
@@ -122,7 +120,7 @@ void SolvedWavelength::solve(const SceneOptics& optics, const SolverOptions& sol
                 : rte::reflect(stack, probe_directions(), options, &memory).report;
     }
     options.streams = report_.solver.streams;
-    // Without the correction no glory is split off, which would be added exactly.
+    // Without an estimate of the error glories are not split off either (BrdfState).
     options.single_scattering_correction &= unchecked_nodes == 0;
     const auto tabulated = [&] {
         return rte::tabulate_orders(stack, SmoothPart::nodes(), light, report_.solver, options,
@@ -211,8 +209,8 @@ void SmoothSum::add(const SmoothPart& smooth, double* values, std::size_t stride
 
 namespace {
 
-/// Says which mirror reflections no value holds.
-void tell_mirrors(const ResolvedScene& scene, Provenance& provenance) {
+/// Notes mirror reflections, which are in no value of the table.
+void note_mirrors(const ResolvedScene& scene, Provenance& provenance) {
     constexpr double kGreen_nm = 555.0;
     if (scene.boundary && scene.boundary->is_rough()) return;
     const auto middle = std::min_element(
@@ -228,8 +226,8 @@ void tell_mirrors(const ResolvedScene& scene, Provenance& provenance) {
             "dielectric of that index over black",
             n, 100.0 * (n - 1) * (n - 1) / ((n + 1) * (n + 1)));
     }
-    // Light that is not scattered comes back from mirrors, from the lower side of free films, and
-    // from where the host changes.
+    // Unscattered light comes back from mirrors, from the lower side of free films, and from steps
+    // of the host's index.
     bool has_steps = n > 1.0 && scene.substrate == Substrate::Kind::none;
     for (std::size_t m = scene.first_medium(); scene.boundary && m < scene.media.size(); ++m)
         has_steps = has_steps || scene.media[m].host_index[at] != n;
@@ -265,7 +263,7 @@ SolvedTable::SolvedTable(const ResolvedScene& resolved, const std::string& title
                   report.summary(),
                   fmt::format("{}", fmt::join(report.polarisation(), "; ")),
                   scene.sources};
-    if (part != BrdfPart::surface) tell_mirrors(scene, provenance);
+    if (part != BrdfPart::surface) note_mirrors(scene, provenance);
     sharp = make_sharp_parts(*this, control);
 }
 

@@ -16,45 +16,45 @@
 
 namespace miebrdf {
 
-/// Directions of all kinds: where streams and moments of a BRDF are chosen that is solved once and
-/// then asked anywhere, and where its error is estimated. Directions at the very horizon would ask
-/// for many more streams.
+/// Directions by which streams and moments of a table are chosen and its error is estimated. None
+/// is nearer to the horizon than mu = .05, which would need many more streams.
 const Directions& probe_directions();
 
-/// Light scattered more than once is smooth and comes from a table (SmoothPart). What has sharp
-/// features, the first order of scattering (FirstOrder) and the surface lobe, is evaluated exactly
-/// at every direction. The BRDF is the sum of all.
+/// The layers at one wavelength, solved. The BRDF is the sum of light scattered more than once,
+/// which is smooth and tabulated (SmoothPart), and of light scattered once and the surface lobe,
+/// which have sharp features and are evaluated exactly at every direction (SharpPart).
 class SolvedWavelength {
   public:
-    /// @param optics  the visible layers; not looked at for BrdfPart::surface
+    /// @param optics  the visible layers; not used for BrdfPart::surface
     /// @param w       index of the wavelength
-    /// @param light   its components: of several, the BRDF is element 11 of the Mueller matrix
-    /// @param whole_matrix  the other elements are wanted too
-    /// @param unchecked_nodes  of BrdfState
+    /// @param light   with several components the BRDF is element 11 of the Mueller matrix
+    /// @param whole_matrix     the other elements are wanted too
+    /// @param unchecked_nodes  BrdfState::unchecked_nodes
     SolvedWavelength(const ResolvedScene& scene, std::size_t w, const SceneOptics& optics,
                      const SolverOptions& solver, BrdfPart part, const LightChoice& light,
                      bool whole_matrix, int unchecked_nodes, rte::SolutionMemory& memory,
                      const Control& control);
 
-    /// The surface's transmission included.
+    /// Light scattered more than once that the surface lets through.
     const SmoothPart& smooth() const { return smooth_; }
     void add_smooth(const SmoothPart& part) { smooth_.add(part, 1.0); }
-    /// The layers without the surface; there are no media for the surface alone.
+    /// The layers, without the surface; no media for BrdfPart::surface.
     const rte::ScaledStack& stack() const { return stack_; }
     bool is_polarised() const { return is_polarised_; }
-    /// True if boundaries or mirrors bend light scattered once or send it back.
+    /// True if boundaries or mirrors refract light scattered once or send it back.
     bool has_optical_steps() const { return stack_.refracts() || stack_.has_mirrors(); }
 
     /// BRDF of the lobe of a surface or a rough boundary; 0 without one.
     double lobe(const Direction& direction) const;
-    /// The share of light from below that the surface lets through; 1 without one.
+    /// The surface's factor for light of the layers (total_of in brdf.cpp); 1 without a surface.
     double transmitted(double mu_in, double mu_out) const;
-    /// A rough boundary's lobe of one facet is raised by this at a cosine; 1 for a surface.
+    /// Factors of lobe() at mu_in and at mu_out by which the lobe of a rough boundary holds light
+    /// reflected by several facets, too; 1 for a surface.
     double lobe_scale(double mu) const;
     bool has_lobe() const { return lobe_.has_value(); }
 
     const WavelengthReport& report() const { return report_; }
-    /// Null: only the BRDF is known.
+    /// Null where only the BRDF was solved.
     const MuellerPart* mueller() const { return mueller_ ? &*mueller_ : nullptr; }
 
   private:
@@ -71,22 +71,21 @@ class SolvedWavelength {
     WavelengthReport report_;
 };
 
-/// Memory of one evaluation that the next one can use.
+/// Memory that one evaluation leaves for the next.
 struct EvaluationScratch {
     std::vector<double> cos_azimuth, sharp, series;
     rte::SpectralFirstOrder::Scratch first_order;
 };
 
-/// The first order of scattering, as far as a surface lets it through, and the surface lobe, of
-/// some wavelengths.
+/// Light scattered once that the surface lets through, and the surface lobe, at some wavelengths.
 class SharpPart {
   public:
-    /// Wavelengths that share their tables: few enough that parts can be made in parallel.
+    /// Wavelengths of one part share their tables; several parts are made in parallel.
     static constexpr std::size_t kMostWavelengths = 16;
 
     /// @param wavelengths  at most kMostWavelengths; must outlive this
     SharpPart(std::span<const SolvedWavelength> wavelengths, const SolverOptions& solver);
-    /// The same of wavelengths whose smooth parts may hold the first order already.
+    /// A copy for wavelengths whose smooth parts may hold the light scattered once.
     SharpPart(const SharpPart& exact, std::span<const SolvedWavelength> wavelengths,
               bool first_order_is_smooth);
 
@@ -97,16 +96,17 @@ class SharpPart {
     void evaluate(std::span<const Direction> directions, std::span<double> values,
                   EvaluationScratch& scratch) const;
     const rte::SpectralFirstOrder& first_order() const { return *first_order_; }
-    /// Every value is 0.
+    /// Whether every value is 0.
     bool is_empty() const { return !first_order_ && !has_lobe_; }
 
   private:
     std::span<const SolvedWavelength> wavelengths_;
-    std::optional<rte::SpectralFirstOrder> first_order_;  ///< none: in the smooth part
+    std::optional<rte::SpectralFirstOrder> first_order_;  ///< empty: in the smooth parts
     bool has_lobe_;
 };
 
-/// Sets scratch.cos_azimuth, which the following two need, for directions that share their cosines.
+/// Sets scratch.cos_azimuth of directions that share their cosines, before SharpPart::evaluate and
+/// SmoothSum::add.
 void set_cosines(std::span<const Direction> directions, EvaluationScratch& scratch);
 
 /// Adds smooth parts to values of the BRDF at directions that share their cosines.
@@ -130,7 +130,7 @@ class SmoothSum {
 struct SolvedTable {
     SolvedTable(const ResolvedScene& scene, const std::string& title, const SolverOptions& solver,
                 const TableOptions& options, const Control& control, int unchecked_nodes);
-    /// What `for_many_directions` makes.
+    /// The table of for_many_directions().
     SolvedTable(const BrdfTable& exact, const Control& control);
     SolvedTable(const SolvedTable&) = delete;
 
@@ -140,25 +140,25 @@ struct SolvedTable {
     std::vector<std::string> channels;
     Provenance provenance;
     std::vector<SolvedWavelength> wavelengths;
-    std::vector<SharpPart> sharp;  ///< of the wavelengths in their order, some at a time
-    int components = 1;            ///< of the Mueller matrices that are known; 1: none
+    std::vector<SharpPart> sharp;  ///< each of the next kMostWavelengths of `wavelengths`
+    int components = 1;            ///< of the Mueller matrices; 1: they were not solved
     ResultReport report;
-    /// Of a table for many directions: the one that it was made from.
+    /// The table that for_many_directions() made this one from.
     std::optional<BrdfTable> exact;
 
-    /// The table to ask from this incidence: `exact` below the second node, where a refracting
-    /// boundary lets next to nothing in and series are off relative to it; null: this one.
+    /// The table that answers in place of this one, or null: `exact` below the second node, where a
+    /// refracting boundary lets next to no light in and the error of series is large relative to
+    /// it.
     const BrdfTable* instead(double mu_in) const {
         return exact && mu_in < SmoothPart::nodes()[1] ? &*exact : nullptr;
     }
 };
 
-/// The same table for those who ask a million directions: light scattered once is in the azimuthal
-/// series too, wherever these hold it within a tenth of the tolerance (of the largest value at an
-/// incidence, measured halfway between nodes), so that a direction costs one sum of a
-/// series in place of angles, phase functions and Fresnel's equations at each wavelength. Rainbows,
-/// glories and thin layers seen at grazing angles stay exact. Mueller matrices are those of
-/// `exact`.
+/// A table for a million directions: the smooth parts hold light scattered once as well, so that a
+/// direction costs one series in place of angles, phase functions and Fresnel's equations at each
+/// wavelength. Wavelengths stay exact (as with rainbows, glories, thin layers at grazing angles)
+/// where the error of the series, measured halfway between nodes, exceeds a tenth of the tolerance
+/// times the largest value at an incidence. Mueller matrices are those of `exact`.
 /// @throws Cancelled
 BrdfTable for_many_directions(const BrdfTable& exact, const Control& control);
 
