@@ -311,7 +311,7 @@ void Planner::leave_out_phase_functions(const std::vector<const ResolvedSpecies*
                      mie_cost(*species, job.wavelength, false);
     }
     const bool given = solver_.streams > 0;
-    const int streams = given ? solver_.streams : first_streams(request_);
+    const int streams = given ? solver_.streams : streams_of_first_pass(request_);
     const std::string who_uses_them =
         given ? fmt::format("{} streams use", streams)
               : fmt::format("the first {} streams use: more only where those do not suffice",

@@ -293,7 +293,7 @@ bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
                    const WavelengthReport& solved, const rte::Stack& stack) {
     const auto is_cut = [](const rte::Optics& optics) { return optics.has_more_moments; };
     const bool is_base_cut = stack.base_kind == rte::BaseKind::half_space && is_cut(stack.base);
-    return solved.stokes == 1 && solved.solver.streams > first_streams(request) &&
+    return solved.stokes == 1 && solved.solver.streams > streams_of_first_pass(request) &&
            solved.solver.moments >= demand.highest_moment &&
            (is_base_cut || std::any_of(stack.coats.begin(), stack.coats.end(),
                                        [&](const rte::Coat& coat) { return is_cut(coat.optics); }));
@@ -316,13 +316,13 @@ double tolerance_of_hiding(const LayerRequest& request) {
     return transmits ? 0.0 : request.solver.tolerance;
 }
 
-int first_streams(const LayerRequest& request) {
+int streams_of_first_pass(const LayerRequest& request) {
     return rte::first_streams(kLeastTransferShare * request.solver.tolerance);
 }
 
 OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole) {
     OpticsDemand demand = whole;
-    const int streams = first_streams(request);
+    const int streams = streams_of_first_pass(request);
     if (request.solver.streams == 0 && !whole.whole_phase_function) {
         demand.highest_moment =
             std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);

@@ -41,7 +41,7 @@ double tolerance_of_hiding(const LayerRequest& request);
 
 /// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
 /// half).
-int first_streams(const LayerRequest& request);
+int streams_of_first_pass(const LayerRequest& request);
 /// The demand of those first nodes: moments of Mie theory cost more than the square of their
 /// number, and few media need more nodes.
 /// @param whole  what any number of nodes could make use of
