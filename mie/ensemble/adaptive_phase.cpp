@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -13,44 +14,18 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDegree = std::numbers::pi / 180;
-
 // docs/maths-mie.md#phase-function and docs/internals/mie-log.md have the measurements.
 // docs/internals/constants.md says what each constant does.
 struct Refinement {
-    /// One part of several may have this share of the tolerance: for its noise, and for what its
-    /// polynomial leaves out.
-    static constexpr double kPartShare = 0.25;
-    /// Noise alone shows as a polynomial's tail of 0.8 of itself, by rays of less.
-    static constexpr double kTailOfNoise = 2.0, kTailOfRayNoise = 1.3;
+    /// White noise of rms s at the nodes gives last Chebyshev coefficients of 0.8 s: such a tail is
+    /// no reason to halve a panel.
+    static constexpr double kTailOfNoise = 1.3;
     /// Half a period of the fastest wave in P: eight nodes leave 1e-6 of that.
     static constexpr double kNarrowest = 0.501;
     /// Ripple at one angle has a few frequencies in size. Where both samples together are in step
     /// with one of them, each errs by the same and their difference says nothing; that of so many
     /// panels to both sides does.
     static constexpr std::size_t kNeighbours = 3;
-    /// Noise of single points gives most to the lowest moments: more of them are not looked at.
-    static constexpr int kMomentsToJudge = 400;
-};
-
-struct PointRule {
-    /// Errors of points in rms over the nodes of a panel, exceeded by one in twenty; glories are
-    /// narrower than the samples of few sizes tell.
-    static constexpr double kDeviations = 2.5, kBackwardDeviations = 3;
-    /// The error that is stated: so many times the one that decides, exceeded by one in a hundred,
-    /// as far as this share of what is allowed, because that costs nothing.
-    static constexpr double kReportedOverEstimated = 3, kReportedShare = 0.5,
-                            kJustAllowed = 1 - 1e-12;
-    /// The share of what is allowed that interpolation may have.
-    static constexpr double kInterpolationShare = 0.25;
-    /// The finest level of sizes follows this tolerance: PhaseGoal::most_work bounds it.
-    static constexpr double kFinest = 1e-6;
-    /// Panels have no neighbours to be judged by: samples of the first level of ripple may agree by
-    /// chance.
-    static constexpr int kLeastLevel = 1;
-    /// Single precision errs by 1e-5 of P.
-    static constexpr double kLeastSingleTolerance = 1e-4;
 };
 
 struct Point {
@@ -96,12 +71,11 @@ class PanelRefinement {
     virtual ~PanelRefinement() = default;
 
   protected:
-    PanelRefinement(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run,
-                    double finest_tolerance)
-        : ensemble_(ensemble),
-          goal_(goal),
-          run_(run),
-          sizes_(ensemble, finest_tolerance, goal.method) {}
+    PanelRefinement(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run)
+        : ensemble_(ensemble), goal_(goal), run_(run), sizes_(ensemble, goal.method) {
+        // Rays have no bound on their work, but a finest level that is soon there.
+        if (by_rays()) goal_.most_work = std::numeric_limits<double>::infinity();
+    }
 
     bool by_rays() const { return goal_.method != PhaseMethod::sizes; }
 
@@ -140,8 +114,9 @@ class PanelRefinement {
     }
 
     std::vector<int> wanted_by(const Place& place) const {
-        const double demanded = place.panel.level() < 0 ? kInfinity : demand_of(place).noise;
-        return place.panel.next_levels(sizes_, Refinement::kPartShare * demanded);
+        const double demanded = place.panel.level() < 0 ? std::numeric_limits<double>::infinity()
+                                                        : demand_of(place).noise;
+        return place.panel.next_levels(sizes_, AverageLimits::kPartShare * demanded);
     }
 
     /// @param places  that want the same
@@ -158,7 +133,7 @@ class PanelRefinement {
             first.push_back(static_cast<Eigen::Index>(angles_deg.size() - shared));
             const std::vector<double> nodes = panel_nodes(panel.lower(), panel.upper());
             for (std::size_t i = shared; i < nodes.size(); ++i)
-                angles_deg.push_back(std::clamp(nodes[i] / kDegree, 0.0, 180.0));
+                angles_deg.push_back(std::clamp(nodes[i] * 180 / std::numbers::pi, 0.0, 180.0));
         }
         const std::vector<int> levels = wanted_by(places.front());
         const auto sums = sizes_.levels(levels, angles_deg, in_double_, run_);
@@ -178,14 +153,12 @@ class PanelRefinement {
     void sort_in(Place place, double noise_around) {
         const PhasePanel& panel = place.panel;
         const Demand demand = demand_of(place);
-        const double of_noise =
-            (by_rays() ? Refinement::kTailOfRayNoise : Refinement::kTailOfNoise) *
-            panel.tail_of_noise();
+        const double of_noise = Refinement::kTailOfNoise * panel.tail_of_noise();
         const double largest = panel.values().maxCoeff();
         const bool narrow = panel.width() <= Refinement::kNarrowest * ensemble_.finest_angle();
         if (!narrow && may_halve(panel) &&
             panel.tail() > std::max(demand.interpolation / largest, of_noise)) {
-            halve(place, Refinement::kPartShare * demand.interpolation);
+            halve(place, AverageLimits::kPartShare * demand.interpolation);
         } else if (panel.level() >= sizes_.last_level() || gains_nothing(panel) ||
                    work_ * sizes_.sizes_at(panel.level() + 1) > goal_.most_work ||
                    is_enough(place, noise_around, demand.noise)) {
@@ -217,7 +190,7 @@ class PanelRefinement {
 class Tabulation : public PanelRefinement {
   public:
     Tabulation(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run)
-        : PanelRefinement(ensemble, goal, run, goal.size_tolerance) {
+        : PanelRefinement(ensemble, goal, run) {
         std::vector<Place> places;
         // Straight back all degrees of P add up, and what a polynomial has beyond the highest
         // moment is missing: with rays, that would be more than their noise.
@@ -229,12 +202,10 @@ class Tabulation : public PanelRefinement {
                   [](const PhasePanel& a, const PhasePanel& b) { return a.lower() < b.lower(); });
     }
 
-    PhaseTable table() const { return table_of(kBothSamples); }
+    PhaseTable table() const { return table_of({}); }
     double moment_error() const;
 
   private:
-    static constexpr int kBothSamples = -1;
-
     Demand demand_of(const Place& place) const override {
         return {goal_.size_tolerance,
                 goal_.interpolation_tolerance * place.panel.values().maxCoeff()};
@@ -250,7 +221,8 @@ class Tabulation : public PanelRefinement {
 
     void accept(Place place) override { done_.push_back(std::move(place.panel)); }
 
-    PhaseTable table_of(int sample) const;
+    /// @param sample  0 or 1; none: both
+    PhaseTable table_of(std::optional<int> sample) const;
 
     std::vector<PhasePanel> done_;  // ascending in the end
 };
@@ -262,8 +234,9 @@ double Tabulation::moment_error() const {
         squares += std::pow(panel.moment_tail(goal_.first_moment), 2);
     double noise = 0;
     if (sizes_.count() == 2) {
+        // Noise of single points gives most to the lowest moments: more are not looked at.
         const int last =
-            std::min(goal_.last_moment, goal_.first_moment + Refinement::kMomentsToJudge);
+            std::min(goal_.last_moment, goal_.first_moment + AverageLimits::kMostBandWidth);
         const std::vector<double> a = table_of(0).moments(last, run_);
         const std::vector<double> b = table_of(1).moments(last, run_);
         for (int l = goal_.first_moment; l <= last; ++l)
@@ -272,7 +245,7 @@ double Tabulation::moment_error() const {
     return noise + std::sqrt(squares);
 }
 
-PhaseTable Tabulation::table_of(int sample) const {
+PhaseTable Tabulation::table_of(std::optional<int> sample) const {
     std::vector<const PhasePanel*> panels;
     for (const PhasePanel& panel : done_) panels.push_back(&panel);
     std::vector<double> edges = {0};
@@ -285,8 +258,7 @@ PhaseTable Tabulation::table_of(int sample) const {
     for (std::size_t p = 0; p < panels.size(); ++p) {
         const auto column = static_cast<Eigen::Index>(p);
         edges.push_back(panels[p]->upper());
-        values.col(column) =
-            sample == kBothSamples ? panels[p]->values() : panels[p]->values_of(sample);
+        values.col(column) = sample ? panels[p]->values_of(*sample) : panels[p]->values();
         if (p > 0) {
             const bool better = panels[p]->level() > panels[p - 1]->level();
             const double shared = better ? values(0, column) : values(last, column - 1);
@@ -294,11 +266,10 @@ PhaseTable Tabulation::table_of(int sample) const {
         }
         interpolation_error = std::max(interpolation_error, panels[p]->tail());
         size_error = std::max(size_error, panels[p]->worst_noise());
-        noise.push_back(
-            panels[p]->level() == 0 && !by_rays()
-                ? around[p]
-                : std::max({panels[p > 0 ? p - 1 : p]->stated_noise(), panels[p]->stated_noise(),
-                            panels[std::min(p + 1, panels.size() - 1)]->stated_noise()}));
+        noise.push_back(panels[p]->level() == 0 && !by_rays()
+                            ? around[p]
+                            : std::max({panels[p > 0 ? p - 1 : p]->noise(), panels[p]->noise(),
+                                        panels[std::min(p + 1, panels.size() - 1)]->noise()}));
     }
     return make_phase_table({.edges = std::move(edges),
                              .coefficients = {},
@@ -306,7 +277,7 @@ PhaseTable Tabulation::table_of(int sample) const {
                              .size_error = size_error,
                              .noise = std::move(noise),
                              .noise_floor = goal_.floor},
-                            values);
+                            values, goal_.least_noise);
 }
 
 // The error that is allowed at points.
@@ -324,40 +295,38 @@ class PointSeries : public PanelRefinement {
   public:
     PointSeries(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run,
                 const Allowance& allowance, PhaseValues& result)
-        : PanelRefinement(ensemble, goal, run, PointRule::kFinest),
-          allowance_(allowance),
-          result_(result) {
-        in_double_ = !by_rays() && goal.size_tolerance < PointRule::kLeastSingleTolerance;
-        // Rays have no bound on their work, but a finest level that is soon there.
-        if (by_rays()) goal_.most_work = kInfinity;
-        if (allowance.is_absolute()) goal_.floor = PhaseRayBias::kFloor;
+        : PanelRefinement(ensemble, goal, run), allowance_(allowance), result_(result) {
+        in_double_ =
+            !by_rays() && stated_error(0, goal.size_tolerance) < AverageLimits::kSingleError;
+        if (allowance.is_absolute()) goal_.floor = AverageLimits::kDim;
     }
 
     void compute(std::vector<Place> places) { refine(std::move(places)); }
 
   private:
     // The error per noise of the panel.
-    double deviations(const Place& place, double value) const {
-        return (place.panel.is_backward() ? PointRule::kBackwardDeviations
-                                          : PointRule::kDeviations) *
-               std::max(value, goal_.floor);
+    double deviations(double value) const {
+        return AverageLimits::kDeviations * std::max(value, goal_.floor);
     }
 
     // The strictest of the points decides.
     Demand demand_of(const Place& place) const override {
-        Demand demand{kInfinity, kInfinity};
+        Demand demand{std::numeric_limits<double>::infinity(),
+                      std::numeric_limits<double>::infinity()};
         for (const Point& point : place.points) {
             const double value = place.value_at(point), allowed = allowance_.at(point, value);
             if (!(std::max(value, goal_.floor) > 0)) return {0, 0};  // not to be believed
-            demand.noise = std::min(demand.noise, allowed / deviations(place, value));
+            demand.noise = std::min(demand.noise, allowed / deviations(value));
             demand.interpolation =
-                std::min(demand.interpolation, PointRule::kInterpolationShare * allowed);
+                std::min(demand.interpolation, AverageLimits::kPartShare * allowed);
         }
         return demand;
     }
 
+    // Panels have no neighbours to be judged by, and samples of the first level of ripple may agree
+    // by chance.
     bool may_halve(const PhasePanel& panel) const override {
-        return !sizes_.rippled() || panel.level() >= PointRule::kLeastLevel;
+        return !sizes_.rippled() || panel.level() > 0;
     }
 
     bool is_enough(const Place& place, double, double demanded) const override {
@@ -368,13 +337,11 @@ class PointSeries : public PanelRefinement {
     void accept(Place place) override {
         for (const Point& point : place.points) {
             const double value = place.value_at(point);
-            const double error = std::max(deviations(place, value) * place.panel.noise(),
-                                          0.5 * place.panel.tail() * value);
-            const double most =
-                (allowance_.is_absolute() ? PointRule::kReportedShare : PointRule::kJustAllowed) *
-                allowance_.at(point, value);
-            const double stated =
-                std::max(error, std::min(PointRule::kReportedOverEstimated * error, most));
+            const double error =
+                std::max(deviations(value) * place.panel.noise(), 0.5 * place.panel.tail() * value);
+            // Sizes are added until the error is what is allowed: less is small by chance, or by
+            // the last doubling. The geometric mean of both lies between.
+            const double stated = std::max(error, std::sqrt(error * allowance_.at(point, value)));
             // A bounded number of sizes may do worse than rays have done.
             double& known = result_.error[point.index];
             if (known > 0 && known < stated) continue;
@@ -400,7 +367,7 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
     PhaseValues result{std::vector<double>(angles_deg.size()),
                        std::vector<double>(angles_deg.size())};
     if (ensemble_.law().single_size) {
-        PairedSizeSamples one(ensemble_, PointRule::kFinest);
+        PairedSizeSamples one(ensemble_);
         const PairedIntensity all = one.levels({0}, angles_deg, true, run_).front();
         for (std::size_t i = 0; i < angles_deg.size(); ++i)
             result.phase[i] = all.intensity(Eigen::Index(i), 0) / all.scattered[0];
@@ -417,7 +384,8 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
         PointSeries(ensemble_, goal, run_, allowance, result).compute(std::move(places));
     };
     // P is not known yet: what is dark is held to the floor.
-    const double bias = PointRule::kDeviations * goal_.ray_bias.everywhere * PhaseRayBias::kFloor;
+    const double bias =
+        AverageLimits::kDeviations * goal_.ray_bias.everywhere * AverageLimits::kDim;
     const auto too_biased = [&](const Point& point, double value) {
         return !(bias <= allowance.at(point, value));
     };
@@ -426,7 +394,7 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
         for (PhasePanel& panel : graded_panels(ensemble_.finest_angle(), ensemble_.finest_angle()))
             places.push_back({std::move(panel)});
         for (std::size_t i = 0; i < angles_deg.size(); ++i) {
-            const Point point{i, angles_deg[i] * kDegree};
+            const Point point{i, angles_deg[i] * std::numbers::pi / 180};
             if (!is_wanted(point)) continue;
             const auto place =
                 std::find_if(places.begin(), places.end() - 1,
@@ -437,7 +405,7 @@ PhaseValues AdaptivePhase::at(const std::vector<double>& angles_deg,
         return places;
     };
     const auto by_rays = [&](const Point& point) {
-        return goal_.method != PhaseMethod::sizes && !too_biased(point, PhaseRayBias::kFloor);
+        return goal_.method != PhaseMethod::sizes && !too_biased(point, AverageLimits::kDim);
     };
     compute(true, places_of(by_rays));
     compute(false, places_of([&](const Point& point) {

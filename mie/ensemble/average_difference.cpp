@@ -26,15 +26,12 @@ namespace {
 struct DifferenceRule {
     /// For the products at angles.
     static constexpr double kSeconds = 0.5;
-    /// Products in single precision, as in averages.
-    static constexpr double kLeastSingleTolerance = 1e-7;
     /// Averages over rays are smooth in every number, but of products in single precision: so many
     /// times the step, whose second order is then below 1e-5.
     static constexpr double kRaySteps = 100;
     /// P by rays turns its interference with every step, so that what a level of sizes leaves of
-    /// that is to be small beside the change: a hundredth of the number. The bias of rays, as
-    /// tables allow it, in shares of the tolerance of P.
-    static constexpr double kRayPhaseSteps = 1000, kRayBias = 0.25;
+    /// that is to be small beside the change: a hundredth of the number.
+    static constexpr double kRayPhaseSteps = 1000;
     static constexpr int kRayLevel = 1;
 };
 
@@ -100,7 +97,7 @@ std::optional<PhaseMethod> rays_of_phase(const EnsembleRequest& middle,
             const PhaseRayBias bias =
                 phase_ray_bias(ensemble_of(side), method == PhaseMethod::exact_rays);
             return bias.everywhere > 0 &&
-                   bias.typical() <= DifferenceRule::kRayBias * middle.phase_tolerance;
+                   bias.typical() <= AverageLimits::kPartShare * middle.phase_tolerance;
         };
         if (is_good(far_apart.plus) && is_good(far_apart.minus)) return method;
     }
@@ -110,7 +107,7 @@ std::optional<PhaseMethod> rays_of_phase(const EnsembleRequest& middle,
 Eigen::VectorXd phase_by_rays(const EnsembleRequest& request, PhaseMethod method,
                               const std::vector<double>& angles_deg, const Executor& run) {
     const Ensemble ensemble = ensemble_of(request);
-    PairedSizeSamples sizes(ensemble, request.phase_tolerance, method);
+    PairedSizeSamples sizes(ensemble, method);
     const std::vector<int> levels(std::size_t(sizes.part_count()), DifferenceRule::kRayLevel);
     Eigen::VectorXd intensity = Eigen::VectorXd::Zero(Eigen::Index(angles_deg.size()));
     double scattered = 0;
@@ -197,7 +194,7 @@ class DifferenceSums {
         spheres.reserve(changes.size());
         for (const EnsembleChange& change : changes) spheres.push_back(fixed.change(change));
         const bool in_single = radii.is_even && !options_.with_matrix &&
-                               middle_.tolerance >= DifferenceRule::kLeastSingleTolerance;
+                               middle_.tolerance >= AverageLimits::kLeastSingleTolerance;
         sums_ = in_single ? sums<float>(fixed, spheres) : sums<double>(fixed, spheres);
         if (options_.band_width >= 0) transform_.emplace(options_.terms, options_.band_width);
         const double factor = 2 / fixed.ensemble().share;

@@ -7,9 +7,6 @@
 namespace miebrdf::mie {
 namespace {
 
-/// Chunks for several threads, and the least sizes of each.
-constexpr int kMostChunks = 4, kLeastChunk = 32;
-
 void subtract(SphereSums& from, const SphereSums& other) {
     from.scattered -= other.scattered;
     from.absorbed -= other.absorbed;
@@ -222,7 +219,7 @@ ChangedSums sums_with_changes(const std::vector<double>& radius_um, const Sphere
                               const std::vector<SpheresChange>& changes,
                               const SizeSumOptions& options,
                               const AngularFunctionsOf<Scalar>* angles, const Executor& run) {
-    const SizeChunks chunks(int(radius_um.size()), kMostChunks, kLeastChunk);
+    const SizeChunks chunks(int(radius_um.size()));
     std::vector<ChangedSums> parts(std::size_t(chunks.count()));
     run(chunks.count(), [&](int job) {
         const int chunk = chunk_of_job(job, chunks.count());

@@ -20,27 +20,15 @@ namespace {
 
 // docs/internals/constants.md says what each constant does.
 struct AverageRule {
-    /// A table has moments as exact as this.
-    static constexpr double kLeastTableTolerance = 1e-5;
     /// Partial waves beyond which moments are not summed at Gauss angles: their functions would
     /// take 300 MB, and a table is as good as it gets.
     static constexpr int kMostTermsAtAngles = 3000;
-    /// Products in single precision change moments by 5e-9 (docs/maths-mie.md#average-over-sizes).
-    static constexpr double kLeastSingleTolerance = 1e-7;
-    /// Share of the tolerance of moments that a table may err by: its many panels add up.
-    static constexpr double kTableShare = 0.08;
 };
 
 /// P of dark media is wanted better, but not of spheres for which that would be dear: those of a
-/// larger size parameter than the first, which ripple, or than the second, where a table by sizes
-/// takes a second (and the cube of that).
+/// larger size parameter.
 struct DarkTable {
-    static constexpr double kFewWaves = 300, kFewDampedWaves = 2000;
-};
-
-// Tables by rays: their bias is a share of the tolerance.
-struct RayTable {
-    static constexpr double kBiasShare = 0.25;
+    static constexpr double kFewWaves = 300;
 };
 
 // Where moments come from. Few are sums over a band of products of partial waves, as wide as they
@@ -52,7 +40,7 @@ MomentSource moment_source(const EnsembleRequest& request, int terms) {
     const int moments = request.highest_moment;
     if (moments <= AverageLimits::kMostBandWidth) return MomentSource::band;
     const bool is_wide = request.with_phase_table || moments > terms / 5;
-    const bool from_table = request.tolerance >= AverageRule::kLeastTableTolerance
+    const bool from_table = request.tolerance >= AverageLimits::kSingleError
                                 ? is_wide
                                 : terms > AverageRule::kMostTermsAtAngles;
     if (from_table) return MomentSource::table;
@@ -79,8 +67,8 @@ class MomentSummation : public SizeSummation {
         } else if (request.highest_moment >= 2) {  // chi_0 = 1 and chi_1 = g come free
             transform_.emplace(terms_, band_width_);
         }
-        in_single_ =
-            !is_smooth_in_size(ensemble) && request.tolerance >= AverageRule::kLeastSingleTolerance;
+        in_single_ = !is_smooth_in_size(ensemble) &&
+                     request.tolerance >= AverageLimits::kLeastSingleTolerance;
     }
 
     SizeSums sum(const SizeNodes& nodes, bool all) const override {
@@ -144,9 +132,9 @@ EnsembleOptics average_over_spheres(const EnsembleRequest& request, const Ensemb
 void choose_rays(const Ensemble& ensemble, PhaseGoal& goal) {
     for (const auto method : {PhaseMethod::rays, PhaseMethod::exact_rays}) {
         const PhaseRayBias bias = phase_ray_bias(ensemble, method == PhaseMethod::exact_rays);
-        const double at_floor = std::max(1.0, PhaseRayBias::kFloor / goal.floor);
+        const double at_floor = std::max(1.0, AverageLimits::kDim / goal.floor);
         if (goal.method != PhaseMethod::sizes || !(bias.everywhere > 0) ||
-            !(at_floor * bias.typical() <= RayTable::kBiasShare * goal.size_tolerance))
+            !(at_floor * bias.typical() <= AverageLimits::kPartShare * goal.size_tolerance))
             continue;
         goal.method = method;
         goal.ray_bias = bias;
@@ -166,22 +154,22 @@ void put_phase_table(const EnsembleRequest& request, const Ensemble& ensemble, M
                      const Executor& run, EnsembleOptics& optics) {
     const bool gives_moments = source == MomentSource::table;
     PhaseGoal goal;
-    const bool ripples = ensemble.ripples();
-    const bool is_cheap =
-        ensemble.largest_x() < (ripples ? DarkTable::kFewWaves : DarkTable::kFewDampedWaves);
-    const bool is_dark = request.phase_floor > 0 && (is_cheap || !ripples);
+    const bool is_cheap = ensemble.largest_x() < DarkTable::kFewWaves;
+    const bool is_dark = request.phase_floor > 0 && (is_cheap || !ensemble.ripples());
     const double bright = is_dark ? half_space_albedo(optics) : 1.0;
     const double relaxed = is_cheap ? std::max(bright, DarkMedium::kLeastShare) : 1.0;
     goal.interpolation_tolerance = relaxed * request.table_tolerance;
     goal.size_tolerance = relaxed * request.phase_tolerance;
     goal.floor = bright * request.phase_floor;
+    goal.most_work = AverageLimits::kMostProducts;
+    goal.least_noise = stated_error(AverageLimits::kSingleError, request.tolerance);
     goal.scattering_efficiency = optics.q_sca * ensemble.share;
     choose_rays(ensemble, goal);
     if (gives_moments) {
         goal.first_moment = AverageLimits::kSafeBandWidth + 1;
         // Moments beyond 2 terms vanish: S1 and S2 are polynomials of degree terms.
         goal.last_moment = std::min(request.highest_moment, 2 * ensemble.terms());
-        goal.moment_tolerance = AverageRule::kTableShare * request.tolerance;
+        goal.moment_tolerance = AverageLimits::kPartShare * request.tolerance;
     }
     TabulatedPhase tabulated = AdaptivePhase(ensemble, goal, run).table();
     PhaseTable::Parts parts = tabulated.table.parts();
@@ -197,31 +185,7 @@ void put_phase_table(const EnsembleRequest& request, const Ensemble& ensemble, M
     optics.error_estimate = std::max(optics.error_estimate, tabulated.moment_error);
 }
 
-void put_phase(const EnsembleRequest& request, const Executor& run, EnsembleOptics& optics) {
-    PhaseValues values = phase_at_angles(request, optics.q_sca, run);
-    optics.phase = std::move(values.phase);
-    optics.phase_error = std::move(values.error);
-    for (std::size_t i = 0; i < optics.phase.size(); ++i) {
-        const double relative = optics.phase_error[i] / optics.phase[i];
-        optics.phase_error_estimate =
-            std::max({optics.phase_error_estimate, relative, AverageLimits::kRounding});
-        optics.converged =
-            optics.converged &&
-            (request.phase_allowed.empty() ? relative <= request.phase_tolerance
-                                           : optics.phase_error[i] <= request.phase_allowed[i]);
-    }
-}
-
-}  // namespace
-
-PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const Executor& run) {
-    validate(request);
-    require_angles(request.angles_deg);
-    const Executor pieces = flushing(run);
-    if (request.aspect) {
-        EnsembleOptics optics = average_spheroids(request, pieces).optics;
-        return {std::move(optics.phase), std::move(optics.phase_error)};
-    }
+PhaseValues phase_of_spheres(const EnsembleRequest& request, double q_sca, const Executor& run) {
     const Ensemble ensemble = ensemble_of(request);
     PhaseGoal goal;
     goal.size_tolerance = request.phase_tolerance;
@@ -232,12 +196,24 @@ PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const 
     if (goal.ray_bias.everywhere > 0) goal.method = PhaseMethod::exact_rays;
     if (goal.method == PhaseMethod::sizes && has_phase_series(ensemble) &&
         !ensemble.law().single_size)
-        return phase_series_at_angles(request, ensemble, pieces);
+        return phase_series_at_angles(request, ensemble, run);
     if (goal.method != PhaseMethod::sizes && !(q_sca > 0)) {
-        const auto rays = average_over_rays(ensemble, 1, request.tolerance, pieces);
+        const auto rays = average_over_rays(ensemble, 1, request.tolerance, run);
         if (rays) goal.scattering_efficiency = rays->q_sca * ensemble.share;
     }
-    return AdaptivePhase(ensemble, goal, pieces).at(request.angles_deg, request.phase_allowed);
+    return AdaptivePhase(ensemble, goal, run).at(request.angles_deg, request.phase_allowed);
+}
+
+}  // namespace
+
+PhaseValues phase_at_angles(const EnsembleRequest& request, double q_sca, const Executor& run) {
+    validate(request);
+    require_angles(request.angles_deg);
+    const Executor pieces = flushing(run);
+    if (!request.aspect)
+        return with_stated_errors(phase_of_spheres(request, q_sca, pieces), request);
+    EnsembleOptics optics = average_spheroids(request, pieces).optics;
+    return {std::move(optics.phase), std::move(optics.phase_error)};
 }
 
 void require_average(const EnsembleRequest& request) {
@@ -266,9 +242,13 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
         return optics;
     }
     const Ensemble ensemble = ensemble_of(request);
+    const auto put_points = [&](EnsembleOptics& optics) {
+        if (!request.angles_deg.empty())
+            put_phase(phase_at_angles(request, optics.q_sca, run), request, optics);
+    };
     if (has_table_by_series(request, ensemble)) {
         EnsembleOptics optics = average_phase_series(request, ensemble, pieces);
-        if (!request.angles_deg.empty()) put_phase(request, pieces, optics);
+        put_points(optics);
         return optics;
     }
     const MomentSource source = moment_source(request, ensemble.terms());
@@ -281,7 +261,7 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
     const double wanted = optics ? wanted_error(request, *optics) : 0.0;
     if (optics && !(optics->error_estimate <= wanted)) optics = rays(wanted);
     if (optics) {
-        optics->error_estimate = std::max(optics->error_estimate, SizeRule::kLeastStated * wanted);
+        optics->error_estimate = stated_error(optics->error_estimate, wanted);
     } else {
         optics = average_over_spheres(request, ensemble, source, pieces);
         // Rays may err by more than is wanted and still by less than all sizes that time allows.
@@ -295,7 +275,7 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
             break;
         }
     }
-    if (!request.angles_deg.empty()) put_phase(request, pieces, *optics);
+    put_points(*optics);
     if (request.with_phase_table || source == MomentSource::table)
         put_phase_table(request, ensemble, source, pieces, *optics);
     return *std::move(optics);

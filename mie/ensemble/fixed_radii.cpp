@@ -48,7 +48,7 @@ Radii radii_of(const EnsembleRequest& request, double most, const Executor& run)
         }
         Eigen::ArrayXd averages(const SizeSums&) const override { return {}; }
         double tolerance(const SphereSums&) const override {
-            return RadiiRule::kShareOfTolerance * request_.tolerance;
+            return stated_error(0, request_.tolerance);
         }
 
       private:
@@ -59,7 +59,7 @@ Radii radii_of(const EnsembleRequest& request, double most, const Executor& run)
     const Ensemble ensemble = ensemble_of(request);
     if (ensemble.law().single_size) return {{ensemble.range.largest_um}, {1.0}};
     const RefinedAverage average = refine_sizes(ensemble, Summation(request, ensemble, run),
-                                                RadiiRule::kShareOfTolerance * request.tolerance,
+                                                stated_error(0, request.tolerance),
                                                 int(std::min(most, double(RadiiRule::kMostSizes))));
     const int wanted = RadiiRule::kTimesAsManySizes * average.sizes;
     const int count = std::max(SizeRule::kFirstGauss, int(std::min(double(wanted), most)));

@@ -25,8 +25,8 @@ namespace {
 struct MatrixRule {
     /// Points of P have the errors of all degrees: their relative change counts for this much less
     /// than that of single degrees. Where P is below `phase_floor`, it is relative to that, which
-    /// falls with what a half-space returns; without a floor to kDim.
-    static constexpr double kPhasePerDegree = 10.0, kDim = 0.5;
+    /// falls with what a half-space returns; without a floor to AverageLimits::kDim.
+    static constexpr double kPhasePerDegree = 10.0;
 };
 
 // Products of partial waves, angles and sizes: real and imaginary part of two sums.
@@ -115,7 +115,7 @@ class MatrixSummation : public SizeSummation {
         if (average.change.size() > 0)
             noise = average.change.tail(nodes()) / average.averages.tail(nodes()).max(dim);
         optics.phase_table = std::make_shared<const PhaseTable>(
-            table_of_series(optics.chi, noise, cosines().acos(), dim));
+            table_of_series(optics.chi, noise, cosines().acos(), dim, request_.tolerance));
         return result;
     }
 
@@ -124,7 +124,7 @@ class MatrixSummation : public SizeSummation {
     Eigen::Index nodes() const { return Eigen::Index(rule_.nodes.size()); }
     /// P below this errs relative to it.
     double dim_phase(const SphereSums& sums) const {
-        if (!(request_.phase_floor > 0)) return MatrixRule::kDim;
+        if (!(request_.phase_floor > 0)) return AverageLimits::kDim;
         return request_.phase_floor * half_space_albedo(efficiencies_of(sums, 1.0));
     }
 

@@ -32,13 +32,12 @@ void add_band(const SphereBlockOf<Scalar>& block,
     }
 }
 
-// Orders n handled together; enough independent recurrences to hide the latency of each.
+// Orders n handled together; enough independent recurrences to hide the latency of each. As many
+// orders interpolate those from the width on, which errs by 5.8^-16 = 6e-13.
 constexpr int kGroup = 16;
 constexpr int kDiagonalsPerJob = 8;
 using Group = Eigen::Array<double, kGroup, 1>;
 using Lane = Eigen::Array<double, 8, 1>;
-
-constexpr int kInterpolating = kGroup;  // errs by 5.8^-16 = 6e-13 for orders from width on
 
 Lane folded(const Group& g) { return g.segment<8>(0) + g.segment<8>(8); }
 
@@ -139,7 +138,7 @@ void BandCovariance::scale(double factor) {
 MomentTransform::MomentTransform(int terms, int width)
     : terms_(terms), width_(width), direct_(terms) {
     const int enough = whole_groups(width);
-    if (enough + 2 * kInterpolating < terms) direct_ = enough;
+    if (enough + 2 * kGroup < terms) direct_ = enough;
     for (int n = 1; n <= direct_; ++n) orders_.push_back(n);
     const int rows = whole_groups(direct_) + width / 2 + 1;
     for (const int parity : {0, 1}) {
@@ -150,10 +149,10 @@ MomentTransform::MomentTransform(int terms, int width)
     if (direct_ == terms) return;
     // Chebyshev points of 1/n between those of the first and the last order.
     const double low = 1.0 / terms, high = 1.0 / direct_;
-    places_.resize(kInterpolating);
-    barycentric_.resize(kInterpolating);
-    for (int i = 0; i < kInterpolating; ++i) {
-        const double angle = std::numbers::pi * (i + 0.5) / kInterpolating;
+    places_.resize(kGroup);
+    barycentric_.resize(kGroup);
+    for (int i = 0; i < kGroup; ++i) {
+        const double angle = std::numbers::pi * (i + 0.5) / kGroup;
         places_[i] = 0.5 * (low + high) + 0.5 * (high - low) * std::cos(angle);
         barycentric_[i] = (i % 2 == 0 ? 1 : -1) * std::sin(angle);
         orders_.push_back(1 / places_[i]);
@@ -164,7 +163,7 @@ Eigen::VectorXd MomentTransform::shares(double n) const {
     const Eigen::ArrayXd distance = 1 / n - places_.array();
     Eigen::Index nearest = 0;
     if (distance.abs().minCoeff(&nearest) < 1e-14 / n) {
-        return Eigen::VectorXd::Unit(kInterpolating, nearest);
+        return Eigen::VectorXd::Unit(kGroup, nearest);
     }
     const Eigen::VectorXd terms = barycentric_.array() / distance;
     return terms / terms.sum();

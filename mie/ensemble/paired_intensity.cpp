@@ -7,8 +7,7 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr double kMostKept = 30e6;                   // bytes
-constexpr double kBytesPerWave = 4 * sizeof(float);  // U and V
+constexpr double kMostKept = 30e6;  // bytes
 
 template <typename Scalar>
 double spheres_of(const Scatterer& scatterer, const WeightedSizes& sizes, SizeChunks::Block of,
@@ -36,7 +35,7 @@ std::vector<PairedIntensity> at_some_angles(const std::vector<PairedIntensity>& 
 KeptWaves* WaveStore::place_of(const Key& key, double numbers) {
     const auto known = kept_.find(key);
     if (known != kept_.end()) return &known->second;
-    const double bytes = kBytesPerWave * numbers;
+    const double bytes = 4 * sizeof(float) * numbers;  // U and V, real and imaginary
     if (!(bytes_ + bytes <= kMostKept)) return nullptr;
     bytes_ += bytes;
     return &kept_[key];

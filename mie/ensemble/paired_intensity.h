@@ -72,7 +72,5 @@ int terms_of(const Scatterer& scatterer, const WeightedSizes& sizes, SizeChunks:
 
 /// The samples have spacings in this ratio (PairedSizeSamples).
 inline constexpr double kSampleShare[2] = {1.21, 1.29};
-/// Chunks of each sample, for several threads, and the least sizes of a chunk.
-inline constexpr int kMostChunksOfSample = 4, kLeastChunkOfSample = 16;
 
 }  // namespace miebrdf::mie

@@ -20,7 +20,7 @@ struct RaySampleRule {
     /// Columns of a block that stay near the cache.
     static constexpr int kMostColumns = 80;
     /// Parts of P by rays at sharp ends, that of small spheres first; the spacing in x of one
-    /// sample of sizes there, which are at least a chunk.
+    /// sample of sizes there.
     static constexpr int kEnds = 2;
     static constexpr double kEndSpacing = 0.5;
 };
@@ -229,16 +229,13 @@ void PairedRaySamples::add_end(int part, int level, const AngularFunctionsOf<flo
         smallest ? RadiusRange{ensemble_.range.smallest_um, ensemble_.range.smallest_um + width_um}
                  : RadiusRange{ensemble_.range.largest_um - width_um, ensemble_.range.largest_um};
     for (const int sample : {0, 1}) {
-        const int count =
-            std::max(kLeastChunkOfSample,
-                     static_cast<int>(std::lround(kSampleShare[sample] * window_->width() /
-                                                  RaySampleRule::kEndSpacing)));
+        const int count = static_cast<int>(
+            std::lround(kSampleShare[sample] * window_->width() / RaySampleRule::kEndSpacing));
         WeightedSizes sizes(nested_size_nodes(ensemble_.sizes, end, count, level),
                             ensemble_.wave_number_per_um);
         for (std::size_t i = 0; i < sizes.parameters.size(); ++i)
             sizes.weights[i] *= 1 - window_->at(sizes.parameters[i]);
-        const SizeChunks cuts(static_cast<int>(sizes.parameters.size()), kMostChunksOfSample,
-                              kLeastChunkOfSample);
+        const SizeChunks cuts(static_cast<int>(sizes.parameters.size()));
         for (int i = 0; i < cuts.count(); ++i) {
             Chunk chunk{sample, sizes, cuts.blocks(i), {}};
             for (const SizeChunks::Block& of : chunk.blocks)

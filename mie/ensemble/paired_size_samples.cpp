@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -12,20 +13,8 @@
 namespace miebrdf::mie {
 namespace {
 
-// docs/internals/constants.md says what each constant does.
-struct SampleRule {
-    /// Sizes of level 0 of each sample where there is no ripple, and at least.
-    static constexpr int kLeastUnit = 32;
-    /// The finest spacing in x at a tolerance of kDefaultTolerance: it falls with the power 2/3 of
-    /// the tolerance, as errors of ripple do with the number of sizes
-    /// (docs/internals/mie-log.md).
-    static constexpr double kFinestSpacing = 0.1, kDefaultTolerance = 1e-2, kPower = 1 / 1.5;
-    static constexpr double kLeastOfFinest = 4096;  ///< sizes
-    /// The spacing in x, both samples together, that resolves exp(2i x): four sizes a period.
-    static constexpr double kResolvedSpacing = 0.8;
-    /// Bytes of angular functions at once.
-    static constexpr double kMostOfFunctions = 256e6;
-};
+// Bytes of angular functions at once.
+constexpr double kMostOfFunctions = 256e6;
 
 struct Chunk {
     int sample;
@@ -48,30 +37,25 @@ void append(const std::vector<PairedIntensity>& parts, Eigen::Index count, Eigen
 
 }  // namespace
 
-PairedSizeSamples::PairedSizeSamples(const Ensemble& ensemble, double size_tolerance,
-                                     PhaseMethod method)
+PairedSizeSamples::PairedSizeSamples(const Ensemble& ensemble, PhaseMethod method)
     : ensemble_(ensemble), rippled_(ensemble.ripples() || method != PhaseMethod::sizes) {
     if (ensemble.law().single_size) {
         sample_count_ = 1;
         return;
     }
-    const double width = ensemble.width_in_x();
-    if (rippled_) {
-        const int unit = std::max(SampleRule::kLeastUnit,
-                                  coarsest_even_count(ensemble.scatterer.ripple_period(), width));
-        for (int sample : {0, 1})
-            first_counts_[sample] = static_cast<int>(std::lround(kSampleShare[sample] * unit));
-    }
+    // One in x, which is about the period of ripple.
+    const int unit = std::max(SizeRule::kFirstEven, rippled_ ? int(ensemble.width_in_x()) : 0) / 2;
+    for (const int sample : {0, 1})
+        first_counts_[sample] =
+            static_cast<int>(std::lround((rippled_ ? kSampleShare[sample] : 1.0) * unit));
     const int together = first_counts_[0] + first_counts_[1];
     if (!rippled_) {
-        const double levels = std::log2(width / (SampleRule::kResolvedSpacing * together));
+        // Four sizes a period resolve exp(2i x).
+        const double levels =
+            std::log2(ensemble.width_in_x() / (0.25 * std::numbers::pi * together));
         resolved_level_ = std::max(0, static_cast<int>(std::ceil(levels)));
     }
-    const double finer =
-        std::min(1.0, std::pow(size_tolerance / SampleRule::kDefaultTolerance, SampleRule::kPower));
-    const double most = std::clamp(width / (SampleRule::kFinestSpacing * finer),
-                                   SampleRule::kLeastOfFinest, double(kNodeLimit));
-    while (together << (last_level_ + 1) <= most) ++last_level_;
+    while (together << (last_level_ + 1) <= SizeRule::kMostEven) ++last_level_;
     if (method == PhaseMethod::sizes) return;
     last_level_ = PairedRaySamples::kLastLevel;
     rays_.emplace(ensemble, method == PhaseMethod::exact_rays);
@@ -102,8 +86,7 @@ PairedIntensity PairedSizeSamples::level(int level, const AngularFunctionsOf<Sca
     std::vector<Chunk> chunks;
     for (int sample = first_sample; sample < sample_count_; ++sample) {
         sizes[sample] = sizes_of(sample, level);
-        const SizeChunks parts(static_cast<int>(sizes[sample].parameters.size()),
-                               kMostChunksOfSample, kLeastChunkOfSample);
+        const SizeChunks parts(static_cast<int>(sizes[sample].parameters.size()));
         for (int i = 0; i < parts.count(); ++i) chunks.push_back({sample, parts.blocks(i)});
     }
     // From small to large spheres.
@@ -143,7 +126,7 @@ std::vector<PairedIntensity> PairedSizeSamples::levels(const std::vector<int>& l
                                                        bool in_double, const Executor& run) {
     const int terms = ensemble_.terms();
     const double bytes = 2.0 * terms * (in_double ? sizeof(double) : sizeof(float));
-    const auto most = static_cast<std::size_t>(std::max(1.0, SampleRule::kMostOfFunctions / bytes));
+    const auto most = static_cast<std::size_t>(std::max(1.0, kMostOfFunctions / bytes));
     std::vector<PairedIntensity> all;
     for (std::size_t first = 0; first < angles_deg.size(); first += most) {
         const std::span angles =

@@ -7,6 +7,7 @@
 #include <miebrdf/ensemble.h>
 #include "mie/ensemble/paired_intensity.h"
 #include "mie/ensemble/paired_ray_samples.h"
+#include "mie/ensemble/size_refinement.h"
 
 namespace miebrdf::mie {
 
@@ -21,8 +22,8 @@ enum class PhaseMethod { sizes, rays, exact_rays };
 /// they differ by tells the error of their mean. (In equal ratios fewer sizes meet one phase, but
 /// at every angle some do: with as many sizes, errors are 3 to 5 times larger.)
 ///
-/// Level 0 has 2.5 sizes, both samples together, per 3.4 ripple periods; each further level of a
-/// sample lies halfway between the sizes of those before it.
+/// At level 0 the sizes of each sample are some two in x apart; each further level lies halfway
+/// between the sizes of those before it.
 ///
 /// Spheres that absorb their ripple converge too fast for that: their sizes, in equal ratios, are
 /// one sample of 64, 128, ... Its two halves are, at level 0, the sizes at even and at odd places,
@@ -32,15 +33,13 @@ enum class PhaseMethod { sizes, rays, exact_rays };
 /// is one part.
 class PairedSizeSamples {
   public:
-    /// @param ensemble        must outlive this
-    /// @param size_tolerance  of points of P; the finest level follows it
-    PairedSizeSamples(const Ensemble& ensemble, double size_tolerance,
-                      PhaseMethod method = PhaseMethod::sizes);
+    /// @param ensemble  must outlive this
+    explicit PairedSizeSamples(const Ensemble& ensemble, PhaseMethod method = PhaseMethod::sizes);
 
     int count() const { return sample_count_; }  ///< 2; 1 for a single size
     /// Whether resonances narrower than any level's spacing are left.
     bool rippled() const { return rippled_; }
-    /// The finest level: 0.1 in x at a tolerance of 1e-2. A bound on time, not on accuracy.
+    /// The finest level, of SizeRule::kMostEven sizes: a bound on time, not on accuracy.
     int last_level() const { return last_level_; }
 
     /// Sizes of a level, of both samples.
@@ -76,7 +75,7 @@ class PairedSizeSamples {
     bool rippled_;
     std::optional<PairedRaySamples> rays_ = {};
     int sample_count_ = 2;
-    int first_counts_[2] = {32, 32};  // sizes of level 0 by sample
+    int first_counts_[2] = {1, 0};  // sizes of level 0 by sample
     int last_level_ = 0, resolved_level_ = 0;
     WaveStore waves_ = {};
 };

@@ -78,6 +78,35 @@ void validate(const EnsembleRequest& r) {
     }
 }
 
+namespace {
+
+// Of P at one of the angles.
+double allowed_error(const EnsembleRequest& request, std::size_t angle, double phase) {
+    if (!request.phase_allowed.empty()) return request.phase_allowed[angle];
+    return request.phase_tolerance * std::max(phase, request.phase_floor);
+}
+
+}  // namespace
+
+PhaseValues with_stated_errors(PhaseValues values, const EnsembleRequest& request) {
+    if (SizeLaw::of(request.sizes.kind).single_size) return values;
+    for (std::size_t i = 0; i < values.error.size(); ++i)
+        values.error[i] = stated_error(values.error[i], allowed_error(request, i, values.phase[i]));
+    return values;
+}
+
+void put_phase(PhaseValues values, const EnsembleRequest& request, EnsembleOptics& optics) {
+    optics.phase = std::move(values.phase);
+    optics.phase_error = std::move(values.error);
+    for (std::size_t i = 0; i < optics.phase.size(); ++i) {
+        optics.phase_error_estimate =
+            std::max({optics.phase_error_estimate, optics.phase_error[i] / optics.phase[i],
+                      AverageLimits::kRounding});
+        optics.converged =
+            optics.converged && optics.phase_error[i] <= allowed_error(request, i, optics.phase[i]);
+    }
+}
+
 double Ensemble::finest_angle() const { return std::numbers::pi / scatterer.outer_x(largest_x()); }
 
 double wave_number_per_um(const EnsembleRequest& request) {

@@ -1,6 +1,7 @@
 // A request as the methods that average over sizes see it.
 #pragma once
 
+#include <algorithm>
 #include <numbers>
 #include <vector>
 
@@ -15,6 +16,19 @@ namespace miebrdf::mie {
 struct AverageLimits {
     /// No estimate is below what rounding leaves.
     static constexpr double kRounding = 1e-13;
+    /// No error of an average below this share of its tolerance is stated: no estimate sees the
+    /// sizes that laws without ends leave out (tail_for), nor products in single precision.
+    static constexpr double kLeastStated = 0.1;
+    /// One part of several may have this share of the tolerance.
+    static constexpr double kPartShare = 0.25;
+    /// Random errors exceed this many times their rms in 0.3 % of all cases.
+    static constexpr double kDeviations = 3;
+    /// Where nothing else is asked for, P below this errs relative to this.
+    static constexpr double kDim = 0.5;
+    /// Products in single precision change moments by 5e-9 (docs/maths-mie.md#average-over-sizes).
+    static constexpr double kLeastSingleTolerance = 1e-7;
+    /// P in single precision errs by this share of it.
+    static constexpr double kSingleError = 1e-5;
     /// Products of sizes, partial waves and angles: so many a second were measured on a Zen
     /// 4 core, right to a factor of three elsewhere; no further pass of sizes begins beyond the
     /// most, some 25 s.
@@ -63,6 +77,15 @@ double wave_number_per_um(const EnsembleRequest& request);
 /// The share of the scattering that a size distribution without ends leaves out: well below the
 /// error that is asked of the result.
 double tail_for(const EnsembleRequest& request);
+
+inline double stated_error(double estimate, double tolerance) {
+    return std::max(estimate, AverageLimits::kLeastStated * tolerance);
+}
+/// P at the request's angles, with no less than the least errors that are stated; those of a single
+/// size stay as they are.
+PhaseValues with_stated_errors(PhaseValues values, const EnsembleRequest& request);
+/// Puts such values where the optics have them.
+void put_phase(PhaseValues values, const EnsembleRequest& request, EnsembleOptics& optics);
 
 /// Every thread that takes a piece of the work flushes denormal numbers meanwhile. The caller
 /// around it does not: threads that `run` starts would inherit that for good.

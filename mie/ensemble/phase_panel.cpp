@@ -15,15 +15,6 @@ namespace {
 struct PanelRule {
     /// Widths grow by this share of the distance from the nearer end, up to the widest.
     static constexpr double kWidthGrowth = 0.4, kWidest = 6 * std::numbers::pi / 180;
-    /// Twice as many sizes leave 0.5 to 0.7 of the noise of ripple: a level that agrees with those
-    /// before better than that does so by chance.
-    static constexpr double kSlowestGain = 0.5;
-    /// Towards the back all nodes of a panel see the same narrow resonances, and where both samples
-    /// miss one of them they agree everywhere: this share of what a new level changes is noise.
-    static constexpr double kShareOfChange = 0.5;
-    /// Bows that few sizes see are narrower than a panel: by rays one node may have all of the
-    /// noise.
-    static constexpr double kShareOfWorst = 0.8;
 };
 
 double rms_of(const Eigen::VectorXd& at_nodes) {
@@ -75,8 +66,6 @@ void PhasePanel::add_level(const std::vector<PairedIntensity>& parts,
                            const std::vector<int>& levels, const PairedSizeSamples& sizes,
                            const PhaseGoal& goal) {
     const Eigen::VectorXd before = level_ < 0 ? Eigen::VectorXd() : values();
-    starts_anew_ = std::any_of(parts.begin(), parts.end(),
-                               [](const PairedIntensity& part) { return part.share == 1; });
     ++level_;
     parts_.resize(parts.size());
     part_levels_.resize(parts.size(), -1);
@@ -94,8 +83,7 @@ void PhasePanel::add_level(const std::vector<PairedIntensity>& parts,
     const bool by_rays = parts_.size() > 1 && goal.scattering_efficiency > 0;
     for (const int sample : {0, 1})
         whole_[sample] = by_rays ? goal.scattering_efficiency / 2 : sums_.scattered[sample];
-    const bool may_agree = sizes.rippled() && level_ > 0 && parts_.size() == 1 && is_backward();
-    judge(sizes, goal, may_agree ? before : values());
+    judge(sizes, goal, sizes.rippled() && level_ > 0 && parts_.size() == 1 ? before : values());
 }
 
 std::vector<int> PhasePanel::next_levels(const PairedSizeSamples& sizes, double tolerance) const {
@@ -183,14 +171,13 @@ Eigen::VectorXd PhasePanel::bias_at_nodes(const PairedSizeSamples& sizes, const 
             mixed -= part_values(parts_[i]).cwiseAbs2();
     }
     return (goal.ray_bias.ends * mixed.cwiseMax(0.0).cwiseSqrt() +
-            goal.ray_bias.everywhere * P.cwiseMax(PhaseRayBias::kFloor))
+            goal.ray_bias.everywhere * P.cwiseMax(AverageLimits::kDim))
         .cwiseQuotient(scale);
 }
 
 void PhasePanel::judge(const PairedSizeSamples& sizes, const PhaseGoal& goal,
                        const Eigen::VectorXd& before) {
     const Eigen::VectorXd P = values(), scale = P.cwiseMax(goal.floor);
-    const double worst_before = worst_, relative_before = relative_;
     const bool by_rays = sizes.rays() != nullptr;
     worst_ = relative_ = rms_ = 0;
     if (sums_.scattered[1] > 0) {
@@ -204,14 +191,14 @@ void PhasePanel::judge(const PairedSizeSamples& sizes, const PhaseGoal& goal,
     double missed = 0;
     if (!by_rays && goal.scattering_efficiency > 0)
         missed = std::abs((whole_[0] + whole_[1]) / goal.scattering_efficiency - 1);
-    // Levels of ripple converge slowly, so that samples may agree by chance.
-    const double doubt =
-        sizes.rippled() && level_ > 0 && !starts_anew_ ? PanelRule::kSlowestGain : 0.0;
-    const Eigen::VectorXd changed = PanelRule::kShareOfChange * (P - before).cwiseQuotient(scale);
-    const double of_sizes = std::max({relative_, by_rays ? PanelRule::kShareOfWorst * worst_ : 0.0,
-                                      doubt * relative_before, missed, rms_of(changed)});
-    const double worst_of_sizes =
-        std::max({worst_, doubt * worst_before, missed, changed.cwiseAbs().maxCoeff()});
+    // The mean of two sums errs by half their difference: so does that of the last level and those
+    // before it. Both samples may miss the same narrow resonance, which a new level meets.
+    const Eigen::VectorXd changed = (P - before).cwiseQuotient(scale);
+    const double worst_of_sizes = std::max({worst_, missed, changed.cwiseAbs().maxCoeff()});
+    // Bows that few sizes see are narrower than a panel: by rays one node may have all of the
+    // noise.
+    const double of_sizes =
+        by_rays ? worst_of_sizes : std::max({relative_, missed, rms_of(changed)});
     // Noise and bias are independent of each other, but glories have more of both than samples
     // tell.
     const Eigen::VectorXd bias = bias_at_nodes(sizes, goal, scale);
@@ -225,8 +212,6 @@ void PhasePanel::judge(const PairedSizeSamples& sizes, const PhaseGoal& goal,
     rms_ = std::max(rms_, missed * largest_);
     const double left_out = last_two(P, by_rays);
     tail_ = left_out / largest_;
-    // Rays may have less noise than the polynomial leaves out.
-    stated_noise_ = by_rays ? std::max(noise_, left_out / scale.mean()) : noise_;
 }
 
 // Share of the sphere, times |P_l| there.

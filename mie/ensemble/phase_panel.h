@@ -11,14 +11,11 @@ namespace miebrdf::mie {
 
 /// The error of P by rays that no number of sizes removes, rms over the angles.
 struct PhaseRayBias {
-    /// Relative to max(P, kFloor). 0: P is not to be computed by rays (no RayBound).
+    /// Relative to max(P, AverageLimits::kDim). 0: P is not to be computed by rays (no RayBound).
     double everywhere = 0;
     /// The share that rays of different ways p and q leave at sharp ends of the sizes, relative to
     /// the root of the sum of P_p P_q over p != q.
     double ends = 0;
-
-    /// P below this has the bias of this.
-    static constexpr double kFloor = 0.5;
 
     double typical() const { return everywhere + 0.3 * ends; }
 };
@@ -28,6 +25,7 @@ struct PhaseGoal {
     double interpolation_tolerance = 1e-3;  ///< relative to the largest P of each panel
     double size_tolerance = 1e-2;  ///< relative to max(P, floor), rms over the nodes of each panel
     double floor = 0;
+    double least_noise = 0;         ///< that is stated
     int first_moment = 0;           ///< lowest one that will be asked of the table
     int last_moment = -1;           ///< highest one; -1: none
     double moment_tolerance = 1.0;  ///< absolute, of what each panel gives to a moment
@@ -76,8 +74,6 @@ class PhasePanel {
     double worst_noise() const { return worst_noise_; }
     /// The share of the noise that no number of sizes removes: what rays leave out.
     double bias() const { return bias_; }
-    /// The noise with what the polynomial leaves out: what a table states.
-    double stated_noise() const { return stated_noise_; }
     /// Interpolation error relative to P: last two Chebyshev coefficients. Noise shows in it too.
     double tail() const { return tail_; }
     double tail_of_noise() const { return tail_of_noise_; }
@@ -102,14 +98,13 @@ class PhasePanel {
     double lower_, upper_;
     int generation_;
     int level_ = -1;
-    bool starts_anew_ = false;  // the last level, for some part
     std::vector<PairedIntensity> parts_;
     std::vector<int> part_levels_;  // -1: not there yet
     std::vector<double> part_noise_;
     PairedIntensity sums_;             // over parts
     double whole_[2] = {0, 0};         // what each sample scatters: P is relative to it
     double worst_ = 0, relative_ = 0;  // half of what the samples differ: at one node, rms
-    double noise_ = 0, stated_noise_ = 0, worst_noise_ = 0, bias_ = 0;
+    double noise_ = 0, worst_noise_ = 0, bias_ = 0;
     double tail_ = 0, tail_of_noise_ = 0;
     double rms_ = 0, largest_ = 0;  // noise, and P
 };

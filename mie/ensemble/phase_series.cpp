@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -12,13 +13,6 @@
 
 namespace miebrdf::mie {
 namespace {
-
-/// Up to so many partial waves the sums at all nodes take less time than the waves.
-constexpr int kMostTerms = 100;
-/// The error of P at an angle, in rms of the noise around it: random errors exceed it in 0.3 %.
-constexpr double kDeviations = 3;
-/// P is positive; rounding is not.
-constexpr double kLeastPhase = 1e-30;
 
 using Array = Eigen::ArrayXd;
 
@@ -58,7 +52,9 @@ class SeriesSummation : public SizeSummation {
     /// All that are not rounding.
     std::vector<double> chi(const RefinedAverage& average) const {
         Eigen::Index count = moment_count();
-        while (count > 2 && std::abs(average.averages[count - 1]) <= kNegligible) --count;
+        while (count > 2 &&
+               std::abs(average.averages[count - 1]) <= 4 * std::numeric_limits<double>::epsilon())
+            --count;
         return {average.averages.begin(), average.averages.begin() + count};
     }
     Array phase(const RefinedAverage& average) const { return average.averages.tail(nodes()); }
@@ -86,8 +82,6 @@ class SeriesSummation : public SizeSummation {
     const Ensemble& ensemble() const { return ensemble_; }
 
   private:
-    static constexpr double kNegligible = 1e-15;
-
     const Ensemble& ensemble_;
     const Executor& run_;
     int terms_;
@@ -135,7 +129,7 @@ class PointSummation : public SeriesSummation {
     double tolerance(const SphereSums&) const override { return 1; }
 
     double error_at(double angle_deg, const Array& change) const {
-        return kDeviations * noise_at(angle_deg * std::numbers::pi / 180, change);
+        return AverageLimits::kDeviations * noise_at(angle_deg * std::numbers::pi / 180, change);
     }
 
   protected:
@@ -157,7 +151,8 @@ class PointSummation : public SeriesSummation {
     /// P at the angle, as the errors are judged by that are stated.
     double least_counted(std::span<const double> chi, double angle_deg) const {
         const double phase = math::legendre_series(chi, cosine_of_scattering_angle(angle_deg));
-        return std::max({phase, request_.phase_floor, kLeastPhase});
+        // P is positive; rounding is not.
+        return std::max({phase, request_.phase_floor, std::numeric_limits<double>::min()});
     }
 
     const EnsembleRequest& request_;
@@ -185,7 +180,10 @@ std::vector<double> GaussMoments::of(const Eigen::VectorXd& intensity) const {
     return moments;
 }
 
-bool has_phase_series(const Ensemble& ensemble) { return ensemble.terms() <= kMostTerms; }
+// Sums at all nodes take less time than the waves up to as many moments as a band may have.
+bool has_phase_series(const Ensemble& ensemble) {
+    return 2 * ensemble.terms() <= AverageLimits::kMostBandWidth;
+}
 
 EnsembleOptics average_phase_series(const EnsembleRequest& request, const Ensemble& ensemble,
                                     const Executor& run) {
@@ -201,7 +199,7 @@ EnsembleOptics average_phase_series(const EnsembleRequest& request, const Ensemb
     const double floor = summation.floor(average.sums.spheres);
     const Array noise = summation.change_of_phase(average) / summation.phase(average).max(floor);
     optics.phase_table = std::make_shared<const PhaseTable>(
-        table_of_series(optics.chi, noise, summation.angles(), floor));
+        table_of_series(optics.chi, noise, summation.angles(), floor, request.tolerance));
     optics.chi.resize(std::size_t(std::max(0, request.highest_moment + 1)), 0.0);
     return optics;
 }

@@ -160,8 +160,14 @@ Eigen::VectorXd panel_coefficients(const Eigen::VectorXd& values) {
     return of_values * values;
 }
 
-PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values) {
+PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values,
+                            double least_noise) {
     parts.coefficients.clear();
+    for (std::size_t p = 0; p < parts.noise.size(); ++p) {
+        const double phase = values.col(Eigen::Index(p)).mean();
+        parts.noise[p] =
+            std::max(parts.noise[p], least_noise * phase / std::max(phase, parts.noise_floor));
+    }
     for (Eigen::Index panel = 0; panel < values.cols(); ++panel) {
         const Eigen::VectorXd coefficients = panel_coefficients(values.col(panel));
         parts.coefficients.insert(parts.coefficients.end(), coefficients.begin(),
@@ -222,13 +228,13 @@ std::vector<double> PhaseTable::moments(int highest_moment, const Executor& run)
     // Each polynomial in pieces of 16 Gauss nodes: those integrate P (degree 7) times a wave of up
     // to 2 rad per node to rounding.
     constexpr int kPieceNodes = 16;
-    constexpr double kPieceWaves = 2.0 * kPieceNodes;  // rad
     const math::Quadrature rule = math::gauss_legendre(kPieceNodes);
     const std::vector<double> edges = edges_of_both_sides(parts_.edges);
     Samples samples;
     for (std::size_t p = 0; p + 1 < edges.size(); ++p) {
         const double width = edges[p + 1] - edges[p];
-        const int pieces = static_cast<int>(std::ceil(width * highest_moment / kPieceWaves + 0.5));
+        const int pieces =
+            static_cast<int>(std::ceil(width * highest_moment / (2.0 * kPieceNodes) + 0.5));
         for (int piece = 0; piece < pieces; ++piece) {
             const double half = 0.5 * width / pieces;
             const double centre = edges[p] + half * (2 * piece + 1);
@@ -276,7 +282,7 @@ double noise_around(double lower, double upper, const Eigen::ArrayXd& noise,
 }
 
 PhaseTable table_of_series(const std::vector<double>& chi, const Eigen::ArrayXd& noise,
-                           const Eigen::ArrayXd& angles, double floor) {
+                           const Eigen::ArrayXd& angles, double floor, double tolerance) {
     // One panel for half a period of the fastest wave: eight nodes leave 1e-6 of it.
     const double width = std::numbers::pi / double(chi.size());
     PhaseTable::Parts parts;
@@ -290,7 +296,7 @@ PhaseTable table_of_series(const std::vector<double>& chi, const Eigen::ArrayXd&
     }
     parts.noise_floor = floor;
     parts.gave_moments = true;
-    return make_phase_table(std::move(parts), values);
+    return make_phase_table(std::move(parts), values, stated_error(0, tolerance));
 }
 
 }  // namespace miebrdf::mie

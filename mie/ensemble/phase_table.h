@@ -25,14 +25,17 @@ double panel_value(const double* coefficients, double t);
 /// A table from P at the nodes of its panels.
 /// @param values  one column per panel, at panel_nodes
 /// @param parts  all but coefficients and mean, which follow from the values
-PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values);
+/// @param least_noise  that is stated of each panel that has any, relative to its mean P
+PhaseTable make_phase_table(PhaseTable::Parts parts, const Eigen::MatrixXd& values,
+                            double least_noise);
 
 /// P of all its moments, on even panels; each has the rms of the noise around it.
 /// @param chi     all, so that the table gave them
 /// @param noise   of P at `angles`, relative to max(P, floor); empty: none
 /// @param angles  radians, those of Gauss nodes
+/// @param tolerance  of the moments
 PhaseTable table_of_series(const std::vector<double>& chi, const Eigen::ArrayXd& noise,
-                           const Eigen::ArrayXd& angles, double floor);
+                           const Eigen::ArrayXd& angles, double floor, double tolerance);
 
 /// Half periods of the fastest wave of P: the nodes of a Gauss rule are about as far apart. The
 /// change of P at a node is one random number, and small by chance: nodes so far apart count

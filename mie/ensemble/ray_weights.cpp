@@ -9,8 +9,6 @@
 namespace miebrdf::mie {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 constexpr int kPowers = 5;       // of ln x, from 0
 constexpr int kRowsPerRate = 4;  // cos and sin, each also times ln x
 
@@ -49,7 +47,7 @@ double share_of(int way, double cos_outside, double inner_path, double index) {
 
 // To within half a turn: std::remainder() takes ten times as long.
 double within_half_turn(double angle) {
-    return angle - 2 * kPi * std::nearbyint(angle / (2 * kPi));
+    return angle - 2 * std::numbers::pi * std::nearbyint(angle / (2 * std::numbers::pi));
 }
 
 }  // namespace
@@ -62,7 +60,7 @@ RayInterference::RayInterference(double index, const RaySizes& sizes)
       log_half_(0.5 * std::log(largest_x_ / smallest_x_)) {
     constexpr int count = InterferenceRule::kIncidences;
     for (int i = 0; i <= count; ++i) {
-        const double outside = 0.5 * kPi * i / count;
+        const double outside = 0.5 * std::numbers::pi * i / count;
         incidences_.push_back({outside, std::asin(std::sin(outside) / index)});
     }
     static const math::Quadrature rule = math::gauss_legendre(kLaneCount, 0, 1);
@@ -98,7 +96,7 @@ RayInterference::RayInterference(double index, const RaySizes& sizes)
 double RayInterference::scaled(double x) const { return (std::log(x) - log_centre_) / log_half_; }
 
 double RayInterference::deviation(int way, double outside, double inside) const {
-    return 2 * (outside - way * inside) + (way - 1) * kPi;
+    return 2 * (outside - way * inside) + (way - 1) * std::numbers::pi;
 }
 
 // One that would come to the angle, were its deviation the target.
@@ -121,10 +119,10 @@ void RayInterference::add_rays(int way, double angle, std::size_t first, std::si
     };
     const double at_first = deviation_at(first), at_last = deviation_at(last);
     const double least = std::min(at_first, at_last), most = std::max(at_first, at_last);
-    const auto first_turn = static_cast<int>(std::ceil((least - angle) / (2 * kPi)));
-    const auto last_turn = static_cast<int>(std::floor((most - angle) / (2 * kPi)));
+    const auto first_turn = static_cast<int>(std::ceil((least - angle) / (2 * std::numbers::pi)));
+    const auto last_turn = static_cast<int>(std::floor((most - angle) / (2 * std::numbers::pi)));
     for (int turn = first_turn; turn <= last_turn; ++turn) {
-        const double target = angle + 2 * kPi * turn;
+        const double target = angle + 2 * std::numbers::pi * turn;
         std::size_t below = first, above = last;
         while (above - below > 1) {
             const std::size_t middle = (below + above) / 2;
@@ -143,14 +141,15 @@ std::vector<RayInterference::Ray> RayInterference::rays(int way, double theta) c
         way > index_ ? std::asin(std::sqrt((way * way - index_ * index_) / (way * way - 1))) : 0;
     // Deviations fall up to the bow and rise from there on.
     const std::size_t last = incidences_.size() - 1;
-    const auto least = static_cast<std::size_t>(std::lround(bow / (0.5 * kPi) * double(last)));
+    const auto least =
+        static_cast<std::size_t>(std::lround(bow / (0.5 * std::numbers::pi) * double(last)));
     for (const double angle : {theta, -theta}) {
         if (least > 0) add_rays(way, angle, 0, least, all);
         if (least < last) add_rays(way, angle, least, last, all);
-        const double at_edge = deviation(way, 0.5 * kPi, incidences_.back().inside);
+        const double at_edge = deviation(way, 0.5 * std::numbers::pi, incidences_.back().inside);
         const double aside = within_half_turn(angle - at_edge);
         if (std::abs(aside) < InterferenceRule::kNearEdge)
-            all.push_back(ray(way, 0.5 * kPi, at_edge + aside));
+            all.push_back(ray(way, 0.5 * std::numbers::pi, at_edge + aside));
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const Ray& a, const Ray& b) { return a.intensity > b.intensity; });
@@ -189,7 +188,7 @@ std::vector<double> RayInterference::rates(int way, double theta) const {
     // Straight forward and back both sides of the sphere are one.
     const double least = 0.5 / largest_x_;
     std::vector<double> phases;
-    for (const Ray& ray : rays(way, std::clamp(theta, least, kPi - least))) {
+    for (const Ray& ray : rays(way, std::clamp(theta, least, std::numbers::pi - least))) {
         const bool known = std::any_of(phases.begin(), phases.end(), [&](double phase) {
             return std::abs(phase - ray.phase) * largest_x_ < InterferenceRule::kSamePhase;
         });
@@ -248,8 +247,8 @@ Eigen::VectorXd RayInterference::factors(const Terms& terms, const Sampled& size
     };
     for (const double rate : terms.rates) {
         // Weights need no more digits than single precision has, which has vectors of sines.
-        turns = rate / (2 * kPi) * x;
-        phase = (2 * kPi * (turns - turns.rint())).cast<float>();
+        turns = rate / (2 * std::numbers::pi) * x;
+        phase = (2 * std::numbers::pi * (turns - turns.rint())).cast<float>();
         turned = phase.cos();
         put();
         turned = phase.sin();

@@ -87,8 +87,7 @@ RefinedAverage Refinement::single() {
 
 void Refinement::put_error(double error) {
     tolerance_ = summation_.tolerance(result_.sums.spheres);
-    result_.error_estimate =
-        std::max(SizeRule::kSafety * error, SizeRule::kLeastStated * tolerance_);
+    result_.error_estimate = stated_error(SizeRule::kSafety * error, tolerance_);
 }
 
 double Refinement::change_by(SizeSums sums, bool all) {
@@ -190,7 +189,7 @@ void Refinement::by_even_nodes(int most_sizes) {
         put_error(std::max({of_scalars, scatter(), of_averages, moved}));
         if (is_enough() || 2 * count > most_sizes) return;
         if (all && count > SizeRule::kFirstEven)
-            all = SizeRule::kSafety * of_averages > SizeRule::kFrozenShare * tolerance;
+            all = SizeRule::kSafety * of_averages > AverageLimits::kPartShare * tolerance;
     }
 }
 

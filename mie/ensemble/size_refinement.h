@@ -19,20 +19,18 @@ namespace miebrdf::mie {
 /// of N/4 sizes. A doubling merges the four in pairs and adds two new ones, so that every sphere
 /// counts. T_N is the mean of all, s the standard error that follows from the scatter of the four:
 ///     error = 2 max(|T_N - T_N/2| of all, s of q_ext, albedo and g, 2 s of ln(1 - albedo)).
-/// The change by a doubling is one random number, and small by chance in one case of ten; the
+/// Moments that err by less than AverageLimits::kPartShare of the tolerance are not summed any
+/// more. The change by a doubling is one random number, and small by chance in one case of ten; the
 /// scatter of the four is three more of them for nothing.
 struct SizeRule {
     /// Smooth: light is damped by exp(-4 k x) through the middle, k x_eff > kSmoothDamping, or even
     /// the largest sphere, of a size parameter below kSmallSphere, has no narrow resonance.
     static constexpr double kSmoothDamping = 0.25, kSmallSphere = 3;
     static constexpr int kFirstGauss = 16, kMostGauss = 128;
+    /// Most: transparent spheres stop near 1e-6 there.
     static constexpr int kFirstEven = 64, kMostEven = 1 << 16;
     /// The 2 of both errors; the 2 of s of ln(1 - albedo).
     static constexpr double kSafety = 2, kAbsorptionScatter = 2;
-    /// Moments that err by less than this share of the tolerance are not summed any more.
-    static constexpr double kFrozenShare = 0.25;
-    /// No error below this share of the tolerance is stated.
-    static constexpr double kLeastStated = 0.1;
 };
 
 /// Sums over sizes of one kind of particle, and what is made of them.

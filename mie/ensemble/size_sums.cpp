@@ -19,7 +19,6 @@ struct SumRule {
     static constexpr int kTilesPerJob = 10;
     /// Tiles from which on waves, which every tile reads again, are copied together.
     static constexpr int kTilesWorthACopy = 16;
-    static constexpr int kMostChunks = 8, kLeastChunk = 32;
     /// Bytes of all bands of a pass together.
     static constexpr double kChunkMemory = 24e6;
 };
@@ -27,8 +26,9 @@ struct SumRule {
 int most_chunks(int size_count, const SizeSumOptions& options) {
     // Each chunk has sums of its own, which cost as much as some ten sizes.
     const double band_bytes = 2 * 8.0 * (options.terms + 1) * (std::max(options.band_width, 0) + 1);
-    const int fitting = std::max(4, static_cast<int>(SumRule::kChunkMemory / band_bytes));
-    return std::min(size_count >= 2048 ? SumRule::kMostChunks : 4, fitting);
+    const int fitting =
+        std::max(SizeChunks::kMost, static_cast<int>(SumRule::kChunkMemory / band_bytes));
+    return std::min((size_count >= 2048 ? 2 : 1) * SizeChunks::kMost, fitting);
 }
 
 // Columns that many tiles read again, copied order behind order, and the stride between orders.
@@ -363,8 +363,8 @@ WeightedSizes::WeightedSizes(const SizeNodes& nodes, double wave_number_per_um) 
     }
 }
 
-SizeChunks::SizeChunks(int size_count, int most, int least)
-    : size_count_(size_count), count_(std::clamp(size_count / least, 1, most)) {
+SizeChunks::SizeChunks(int size_count, int most)
+    : size_count_(size_count), count_(std::clamp(size_count / kLeast, 1, most)) {
     per_chunk_ = rounded_up((size_count + count_ - 1) / count_);
     count_ = (size_count + per_chunk_ - 1) / per_chunk_;  // rounding may leave the last one empty
 }
@@ -405,7 +405,7 @@ void SizeSums::scale(double factor) {
 SizeSums sum_over_sizes(const Scatterer& scatterer, const WeightedSizes& sizes,
                         const SizeSumOptions& options, const Executor& run) {
     const int count = static_cast<int>(sizes.parameters.size());
-    const SizeChunks chunks(count, most_chunks(count, options), SumRule::kLeastChunk);
+    const SizeChunks chunks(count, most_chunks(count, options));
     std::vector<SizeSums> parts(chunks.count());
     run(chunks.count(), [&](int job) {
         const int chunk = chunk_of_job(job, chunks.count());

@@ -148,8 +148,11 @@ class SizeChunks {
         int first, count;
     };
 
-    /// @param most  chunks; fewer when each would have less than `least` sizes
-    SizeChunks(int size_count, int most, int least);
+    /// Chunks for several threads, and the least sizes of each.
+    static constexpr int kMost = 4, kLeast = 32;
+
+    /// @param most  chunks; fewer when each would have less than kLeast sizes
+    explicit SizeChunks(int size_count, int most = kMost);
     int count() const { return count_; }
     std::vector<Block> blocks(int chunk) const;
 

@@ -24,22 +24,17 @@ namespace {
 struct SpheroidRule {
     /// Of equally spaced ones: a T-matrix takes milliseconds.
     static constexpr int kMostSizes = 512;
-    /// Share of the tolerance that a T-matrix may err by.
-    static constexpr double kTShare = 0.1, kLeastT = 1e-11;
+    /// A T-matrix may err by the least error that is stated, but this is rounding.
+    static constexpr double kLeastT = 1e-11;
     /// A T-matrix with a larger estimate has no digits left: its size is refused.
     static constexpr double kWorstT = 0.02;
-    /// A panel of a phase table may hold this many radians of the highest degree: eight nodes err
-    /// by 1e-6 of the wave then.
-    static constexpr double kPanelWaves = 3.0;
-    static constexpr int kFewestPanels = 16;
     /// Measured on a Zen 4 core; right to a factor of three elsewhere.
     static constexpr double kSecondsPerDegree4 = 6e-8;
 };
 
 // The sums of one size, `products` the series as of matrix_series, whose first entry is q_sca.
 SizeSums of_size(const Spheroid& spheroid, double tolerance) {
-    const TMatrix T =
-        t_matrix(spheroid, std::max(SpheroidRule::kTShare * tolerance, SpheroidRule::kLeastT));
+    const TMatrix T = t_matrix(spheroid, stated_error(SpheroidRule::kLeastT, tolerance));
     if (!(T.error_estimate <= SpheroidRule::kWorstT)) {
         throw UsageError(
             "size parameter of the larger axis of the spheroids",
@@ -128,18 +123,23 @@ class SpheroidAverage {
     void finish() {
         put_series(series_, result_);
         EnsembleOptics& o = result_.optics;
-        const std::vector<double> chi = o.chi;
-        for (std::size_t i = 0; i < request_.angles_deg.size(); ++i) {
-            const double x = cosine_of_scattering_angle(request_.angles_deg[i]);
-            o.phase.push_back(math::legendre_series(chi, x));
-            o.phase_error.push_back(phase_error(x));
-            const double relative = o.phase_error[i] / o.phase[i];
-            o.phase_error_estimate = std::max(o.phase_error_estimate, relative);
-            o.converged = o.converged && (request_.phase_allowed.empty()
-                                              ? relative <= request_.phase_tolerance
-                                              : o.phase_error[i] <= request_.phase_allowed[i]);
+        PhaseValues values;
+        for (const double angle : request_.angles_deg) {
+            const double x = cosine_of_scattering_angle(angle);
+            values.phase.push_back(math::legendre_series(o.chi, x));
+            values.error.push_back(phase_error(x));
         }
-        o.phase_table = table(chi);
+        put_phase(with_stated_errors(std::move(values), request_), request_, o);
+        constexpr double floor = 1.0;
+        const auto count = Eigen::Index(o.chi.size());
+        const Eigen::ArrayXd angles =
+            std::numbers::pi / double(count) *
+            (Eigen::ArrayXd::LinSpaced(count, 0, double(count - 1)) + 0.5);
+        const Eigen::ArrayXd noise = angles.cos().unaryExpr([&](double x) {
+            return phase_error(x) / std::max(math::legendre_series(o.chi, x), floor);
+        });
+        o.phase_table = std::make_shared<const PhaseTable>(
+            table_of_series(o.chi, noise, angles, floor, request_.tolerance));
     }
 
     // The change of P by the last doubling of sizes, and errors of all degrees by the T-matrix, of
@@ -149,31 +149,6 @@ class SpheroidAverage {
         const double of_sizes =
             ensemble_.law().single_size ? 0.0 : std::abs(math::legendre_series(change, x));
         return of_sizes + t_error_ * static_cast<double>(series_.rows());
-    }
-
-    std::shared_ptr<const PhaseTable> table(const std::vector<double>& chi) const {
-        const double degree = static_cast<double>(chi.size());
-        const int panels = std::max(
-            SpheroidRule::kFewestPanels,
-            static_cast<int>(std::ceil(std::numbers::pi * degree / SpheroidRule::kPanelWaves)));
-        PhaseTable::Parts parts;
-        parts.noise_floor = 1.0;
-        for (int i = 0; i <= panels; ++i) parts.edges.push_back(std::numbers::pi * i / panels);
-        const Eigen::MatrixXd values = series_on_panels(chi, parts.edges);
-        for (int panel = 0; panel < panels; ++panel) {
-            const std::vector<double> nodes =
-                panel_nodes(parts.edges[std::size_t(panel)], parts.edges[std::size_t(panel) + 1]);
-            double error = 0;
-            for (const double theta : nodes) error = std::max(error, phase_error(std::cos(theta)));
-            const double brightest = values.col(panel).maxCoeff();
-            parts.noise.push_back(error / std::max(brightest, parts.noise_floor));
-            parts.size_error = std::max(parts.size_error, error / brightest);
-            const Eigen::VectorXd coefficients = panel_coefficients(values.col(panel));
-            parts.interpolation_error =
-                std::max(parts.interpolation_error, coefficients.tail(2).cwiseAbs().maxCoeff() /
-                                                        values.col(panel).cwiseAbs().maxCoeff());
-        }
-        return std::make_shared<const PhaseTable>(make_phase_table(std::move(parts), values));
     }
 
     const EnsembleRequest& request_;

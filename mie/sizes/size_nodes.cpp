@@ -19,17 +19,15 @@ struct Ramp {
 // ends.
 Ramp ramp(double tau) {
     constexpr double kRamp = 0.05;  // more nodes are lost to a wider ramp, smoothness to a narrower
-    constexpr double kPlateau = 1 / (1 - kRamp);
+    constexpr double plateau = 1 / (1 - kRamp);
     const double from_end = std::min(tau, 1 - tau);
     const double u = std::min(1.0, from_end / kRamp);
-    const double slope = kPlateau * u * u * u * u * (35 + u * (-84 + u * (70 - 20 * u)));
+    const double slope = plateau * u * u * u * u * (35 + u * (-84 + u * (70 - 20 * u)));
     const double u5 = u * u * u * u * u;
-    double t = kPlateau * kRamp * u5 * (7 + u * (-14 + u * (10 - 2.5 * u)));
-    if (from_end > kRamp) t += kPlateau * (from_end - kRamp);
+    double t = plateau * kRamp * u5 * (7 + u * (-14 + u * (10 - 2.5 * u)));
+    if (from_end > kRamp) t += plateau * (from_end - kRamp);
     return {tau <= 0.5 ? t : 1 - t, slope};
 }
-
-constexpr double kFirstSpacing = 3.4;  // of the even rule, in ripple periods
 
 }  // namespace
 
@@ -68,11 +66,6 @@ SizeNodes nested_size_nodes(const SizeDistribution& distribution, const RadiusRa
                             int first_count, int level, SizeSpacing spacing) {
     if (level == 0) return even_size_nodes(distribution, range, first_count, 1.0, spacing);
     return even_size_nodes(distribution, range, first_count << (level - 1), 0.5, spacing);
-}
-
-int coarsest_even_count(double ripple_period, double width) {
-    const double count = width / (kFirstSpacing * ripple_period);
-    return static_cast<int>(std::clamp(count, 16.0, kNodeLimit / 4.0));
 }
 
 }  // namespace miebrdf::mie

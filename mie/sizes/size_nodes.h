@@ -30,15 +30,4 @@ SizeNodes even_size_nodes(const SizeDistribution& distribution, const RadiusRang
 SizeNodes nested_size_nodes(const SizeDistribution& distribution, const RadiusRange& range,
                             int first_count, int level, SizeSpacing spacing = SizeSpacing::equal);
 
-/// Most sizes of one average; transparent spheres stop near 1e-6 there.
-constexpr int kNodeLimit = 1 << 16;
-
-/// Number of sizes of the coarsest even grid: 3.4 periods apart, so that its refinements are 1.7,
-/// 0.85, 0.425 ... periods apart. A spacing just below a multiple of the period sees the same
-/// resonances again and again; 0.85 times a power of two does not, and with 0.85 itself the error
-/// drops about tenfold (docs/maths-mie.md).
-/// @param ripple_period  in x
-/// @param width  largest minus smallest size parameter
-int coarsest_even_count(double ripple_period, double width);
-
 }  // namespace miebrdf::mie

@@ -76,9 +76,6 @@ using ComplexFloatPair = ComplexOf<FloatPair>;
 MIEBRDF_VECTOR ComplexVector load(const ComplexLanes& z, int first) {
     return {load(z.re, first), load(z.im, first)};
 }
-MIEBRDF_VECTOR ComplexFloatVector load_single(const ComplexLanes& z, int first) {
-    return {single(load(z.re, first)), single(load(z.im, first))};
-}
 MIEBRDF_VECTOR void store(const ComplexVector& z, ComplexLanes& to, int first) {
     store(z.re, to.re, first);
     store(z.im, to.im, first);

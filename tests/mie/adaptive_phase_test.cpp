@@ -75,7 +75,7 @@ TEST_CASE("P at many angles is within what is allowed, as one by one", "[mie][ra
 
 TEST_CASE("half a panel keeps the parts of P that the whole has smooth", "[mie][rays]") {
     const mie::Ensemble ensemble = mie::ensemble_of(request_of({2.6, 0}, Kind::power_law, 50));
-    mie::PairedSizeSamples sizes(ensemble, 1e-2, mie::PhaseMethod::rays);
+    mie::PairedSizeSamples sizes(ensemble, mie::PhaseMethod::rays);
     mie::PhaseGoal options;
     options.method = mie::PhaseMethod::rays;
     options.floor = 0.5;

@@ -28,7 +28,7 @@ TEST_CASE("glories by rays are those of whole spheres, however many sizes there 
     request.refractive_index = Complex(1.494, 4.75e-4);
     const mie::Ensemble ensemble = mie::ensemble_of(request);
     const auto phase = [&](mie::PhaseMethod method, int last_level) -> Eigen::VectorXd {
-        mie::PairedSizeSamples samples(ensemble, 1e-6, method);
+        mie::PairedSizeSamples samples(ensemble, method);
         std::vector<mie::PairedIntensity> parts;
         for (int level = 0; level <= last_level; ++level) {
             const auto more = samples.levels(std::vector<int>(samples.part_count(), level),

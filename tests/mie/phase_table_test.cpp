@@ -26,7 +26,7 @@ mie::PhaseTable table_of(const std::function<double(double)>& phase,
                 phase(std::cos(nodes[i]));
         }
     }
-    return mie::make_phase_table({.edges = edges, .coefficients = {}, .noise = {}}, values);
+    return mie::make_phase_table({.edges = edges, .coefficients = {}, .noise = {}}, values, 0.0);
 }
 
 }  // namespace
