@@ -16,16 +16,16 @@
 namespace miebrdf {
 namespace {
 
-// The share of a number that it is changed by. What is differenced are optics, by explicit formulas
-// and sums with fixed nodes: the second order of so small a change is 1e-10 of their own, or 1e-7
-// where they change with the hundredth of the number, and rounding 1e-11.
+// (Change of a number) / (the number). Optics are differenced, by explicit formulas and sums with
+// fixed nodes: the relative error is 1e-10 by the second order (1e-7 where optics vary within a
+// hundredth of the number) and 1e-11 by rounding.
 constexpr double kStep = 1e-5;
-// Where a number may not be larger, or not smaller, the difference has an error of first order.
+// At the end of its range a number is changed to one side alone, with an error of first order.
 constexpr double kOneSidedStep = 1e-7;
-// Where the indices of hosts change, whole solutions are differenced, which have fewer digits; and
-// above the index of air, where there is one side alone, indices closer than 1e-7 have no boundary.
+// Where indices of hosts change, whole solutions are differenced, which have fewer digits. At the
+// index of air there is one side alone, and indices closer than 1e-7 have no boundary.
 constexpr double kIndexStep = 3e-5, kOneSidedIndexStep = 1e-5;
-// No number that is 0 tells what is small beside it: for albedos, shares, g and k this is.
+// The change of a number that is 0 (an albedo, a share, g or k).
 constexpr double kStepFromZero = 1e-7;
 
 /// The scene that `make` makes of a number; empty where it is out of range.

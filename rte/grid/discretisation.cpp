@@ -203,8 +203,7 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
         keep_largest(now, last_at(k, scale));
     });
     if (coarsest.physical && !slow && now < before && now < 1.0) {
-        // With many values q is trusted as the ratio of a geometric series, whose rest is q / (1 -
-        // q).
+        // With many values q is trusted as the ratio of a geometric series: rest q / (1 - q).
         const double q = now / before;
         const double rest = has_many ? std::min(1.0, q / (1.0 - q)) : q;
         gain = std::max(rest, least_gain(now, coarse.report.streams, report.streams));
