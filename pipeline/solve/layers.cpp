@@ -29,7 +29,7 @@ namespace miebrdf {
 namespace {
 
 bool has_closed_form(const LayerRequest& request, std::size_t w) {
-    // The reciprocal coupling weighs where light leaves: all of it may count more or less than 1.
+    // With the reciprocal coupling light is weighted where it leaves, and all of it is not 1.
     const bool counts_all = request.quantity == LayerQuantity::albedo ||
                             (request.quantity == LayerQuantity::albedo_through_surface &&
                              request.scene.coupling == rte::SurfaceCoupling::paper);
@@ -62,8 +62,8 @@ LayerSlice lossless(std::size_t incidences) {
     return slice;
 }
 
-/// The slice of layers of which none scatters: a black ground takes all light, what only absorbs
-/// passes none on.
+/// The slice of layers that scatter nothing: a black ground absorbs all light, and infinitely deep
+/// layers transmit none.
 LayerSlice black(const LayerRequest& request) {
     const Directions& d = request.directions;
     LayerSlice slice = without_work("closed form of layers that scatter nothing");
@@ -104,8 +104,7 @@ rte::AlbedoTable solve_albedo(const rte::Stack& stack, const LayerRequest& reque
     return rte::albedo(stack, mu_in, solver, weights, &memory);
 }
 
-/// Layers reflect no more than they get, and not less than nothing: an albedo beyond by the
-/// rounding of its sum over nodes is 1 or 0.
+/// An albedo above 1 or below 0 by the rounding of its sum over nodes becomes 1 or 0.
 void remove_rounding(std::vector<double>& albedos) {
     constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
     for (double& albedo : albedos) {
@@ -114,7 +113,7 @@ void remove_rounding(std::vector<double>& albedos) {
     }
 }
 
-/// A value that is no number has no error that an estimate could tell.
+/// A slice with a value of NaN or infinity has an infinite error.
 void refuse_lost_values(LayerSlice& slice) {
     const auto is_finite = [](double value) { return std::isfinite(value); };
     if (std::all_of(slice.values.begin(), slice.values.end(), is_finite)) return;
@@ -132,7 +131,7 @@ std::vector<double> intensities(const rte::ReflectionTable& table,
 }
 
 /// Fills in the reflection.
-/// @return the error that points of P and transfer have together
+/// @return the error of transfer and of points of P together
 double solve_reflection(const LayerRequest& request, const SceneOptics& optics, std::size_t w,
                         const OpticsDemand& demand, int components, const SolverOptions& solver,
                         const mie::Executor& run, rte::SolutionMemory& memory, LayerSlice& slice) {
@@ -164,7 +163,7 @@ double solve_reflection(const LayerRequest& request, const SceneOptics& optics, 
         request.scene, w, demand, solved,
         rest_for_phase(tolerance, optics.mie_error_estimate, table.errors), slice.values, run);
     slice.report.phase_noise = left.noise;
-    // It was given less than the tolerance, of which the points have not taken all.
+    // Transfer was given less than the tolerance; points of P have left some of the difference.
     slice.report.solver.converged =
         has_converged(table.report.error_estimate, tolerance, table.steps_converged);
     return left.with_transfer;
@@ -200,7 +199,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
         stack.base_kind == rte::BaseKind::none && stack.coats.empty() && !stack.boundary;
     if (returns_nothing && request.quantity != LayerQuantity::mueller) return black(request);
     const double tolerance = request.solver.tolerance;
-    // Points of the table are computed anew only for light as a number.
+    // Points of the table are computed anew for unpolarised light alone.
     const bool has_noise = request.quantity == LayerQuantity::reflection && light.components == 1 &&
                            has_noisy_phase(stack);
     SolverOptions solver = request.solver;
@@ -219,8 +218,9 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
     return slice;
 }
 
-/// Scattering matrices have no points of P that are computed anew: where their noise takes the
-/// tolerance they are averaged over more sizes, once, to this part of the tolerance.
+/// Noise of scattering matrices is not reduced by points of P that are computed anew. Where it
+/// exceeds its share, matrices are averaged once more, with the tolerance of sizes times
+/// kFinerMatrices.
 constexpr double kFinerMatrices = 0.125;
 
 bool wants_finer_sizes(const WavelengthReport& report, double tolerance) {
@@ -254,13 +254,81 @@ LayerSlice unpacked(const std::vector<double>& numbers) {
     return slice;
 }
 
-std::vector<std::size_t> wavelengths_of(const std::vector<LayerJob>& jobs,
-                                        const std::vector<std::size_t>& places) {
-    std::vector<std::size_t> wavelengths;
-    wavelengths.reserve(places.size());
-    for (const std::size_t place : places) wavelengths.push_back(jobs[place].wavelength);
-    return wavelengths;
-}
+/// The jobs of a request and their solutions, which several passes fill in.
+class LayerPasses {
+  public:
+    LayerPasses(const LayerRequest& request, const std::vector<LayerJob>& jobs,
+                const Control& control)
+        : request_(request),
+          jobs_(jobs),
+          control_(control),
+          solved_(jobs.size()),
+          light_(jobs.size()) {}
+
+    /// Fills in closed forms and what the cache knows; chooses the light of the other jobs.
+    /// @return the other jobs
+    std::vector<std::size_t> look_up() {
+        std::vector<std::size_t> missing;
+        for (std::size_t j = 0; j < jobs_.size(); ++j) {
+            std::optional<std::vector<double>> known;
+            if (jobs_[j].closed_form) {
+                solved_[j] = lossless(request_.directions.mu_in.size());
+            } else if (control_.cache != nullptr && (known = control_.cache->find(jobs_[j].hash))) {
+                solved_[j] = unpacked(*known);
+            } else {
+                missing.push_back(j);
+            }
+        }
+        const auto chosen = light_of(request_, wavelengths_of(missing), control_);
+        for (std::size_t i = 0; i < missing.size(); ++i) light_[missing[i]] = chosen[i];
+        return missing;
+    }
+
+    /// Solves jobs with the optics of `demand` and stores them in the cache.
+    /// @param whole  the optics that any number of nodes could use
+    /// @return the jobs that want moments beyond `demand` (lacks_moments); they are not stored
+    std::vector<std::size_t> solve_with(const OpticsDemand& demand, const OpticsDemand& whole,
+                                        const std::vector<std::size_t>& jobs) {
+        std::vector<char> polarised;
+        for (const std::size_t j : jobs) polarised.push_back(light_[j].components > 1);
+        const auto optics =
+            visible_optics(request_.scene, request_.directions, tolerance_of_hiding(request_),
+                           wavelengths_of(jobs), polarised, demand, control_);
+        std::vector<char> wants_more(jobs.size(), 0);
+        run_parallel("radiative transfer", jobs.size(), control_, [&](std::size_t i) {
+            const LayerJob& job = jobs_[jobs[i]];
+            LayerSlice& slice = solved_[jobs[i]];
+            slice = solve(request_, optics[i], job.wavelength, demand, light_[jobs[i]], control_,
+                          memories_.local());
+            wants_more[i] = demand.highest_moment < whole.highest_moment &&
+                            lacks_moments(request_, demand, slice.report, optics[i].stack);
+            if (control_.cache != nullptr && !wants_more[i])
+                control_.cache->store(job.hash, packed(slice));
+        });
+        std::vector<std::size_t> left;
+        for (std::size_t i = 0; i < jobs.size(); ++i) {
+            if (wants_more[i]) left.push_back(jobs[i]);
+        }
+        return left;
+    }
+
+    std::vector<LayerSlice>& solved() { return solved_; }  ///< by job
+
+  private:
+    std::vector<std::size_t> wavelengths_of(const std::vector<std::size_t>& jobs) const {
+        std::vector<std::size_t> wavelengths;
+        for (const std::size_t j : jobs) wavelengths.push_back(jobs_[j].wavelength);
+        return wavelengths;
+    }
+
+    const LayerRequest& request_;
+    const std::vector<LayerJob>& jobs_;
+    const Control& control_;
+    std::vector<LayerSlice> solved_;
+    std::vector<LightChoice> light_;  ///< by job
+    tbb::enumerable_thread_specific<rte::SolutionMemory> memories_{
+        [boundaries = rough_boundaries_of(control_)] { return rte::memory_with(boundaries); }};
+};
 
 }  // namespace
 
@@ -359,67 +427,25 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     // U and V tell azimuths of different sign apart.
     if (request.quantity != LayerQuantity::mueller) reduced.directions = distinct.directions();
     const LayerJobs list = list_layer_jobs(reduced);
-    const std::vector<LayerJob>& jobs = list.jobs;
-    std::vector<LayerSlice> solved(jobs.size());
-    std::vector<std::size_t> missing;
-    for (std::size_t j = 0; j < solved.size(); ++j) {
-        std::optional<std::vector<double>> known;
-        if (jobs[j].closed_form) {
-            solved[j] = lossless(reduced.directions.mu_in.size());
-        } else if (control.cache != nullptr && (known = control.cache->find(jobs[j].hash))) {
-            solved[j] = unpacked(*known);
-        } else {
-            missing.push_back(j);
-        }
-    }
-    const std::vector<std::size_t> computed = missing;
-    const auto demand = demand_of(request.solver, request.scene.particles.tolerance,
-                                  phase_demand(request.quantity));
-    std::vector<LightChoice> light(jobs.size());
-    {
-        const auto chosen = light_of(reduced, wavelengths_of(jobs, missing), control);
-        for (std::size_t i = 0; i < missing.size(); ++i) light[missing[i]] = chosen[i];
-    }
-    tbb::enumerable_thread_specific<rte::SolutionMemory> memories(
-        [boundaries = rough_boundaries_of(control)] { return rte::memory_with(boundaries); });
-    // Returns the jobs that want more moments than these.
-    const auto solve_with = [&](const OpticsDemand& own, const std::vector<std::size_t>& places) {
-        std::vector<char> polarised(places.size());
-        for (std::size_t i = 0; i < places.size(); ++i)
-            polarised[i] = light[places[i]].components > 1;
-        const auto optics =
-            visible_optics(reduced.scene, reduced.directions, tolerance_of_hiding(reduced),
-                           wavelengths_of(jobs, places), polarised, own, control);
-        std::vector<char> wants_more(places.size(), 0);
-        run_parallel("radiative transfer", places.size(), control, [&](std::size_t i) {
-            const LayerJob& job = jobs[places[i]];
-            LayerSlice& slice = solved[places[i]];
-            slice = solve(reduced, optics[i], job.wavelength, own, light[places[i]], control,
-                          memories.local());
-            wants_more[i] = own.highest_moment < demand.highest_moment &&
-                            lacks_moments(request, own, slice.report, optics[i].stack);
-            if (control.cache != nullptr && !wants_more[i])
-                control.cache->store(job.hash, packed(slice));
-        });
-        std::vector<std::size_t> left;
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            if (wants_more[i]) left.push_back(places[i]);
-        }
-        return left;
-    };
-    missing = solve_with(first_demand(request, demand), missing);
-    if (!missing.empty()) solve_with(demand, missing);
+    LayerPasses passes(reduced, list.jobs, control);
+    const std::vector<std::size_t> missing = passes.look_up();
+    // First with the moments that the first nodes use, then with all where more nodes were needed.
+    const OpticsDemand whole = demand_of(request.solver, request.scene.particles.tolerance,
+                                         phase_demand(request.quantity));
+    const auto lacking = passes.solve_with(first_demand(request, whole), whole, missing);
+    if (!lacking.empty()) passes.solve_with(whole, whole, lacking);
+    std::vector<LayerSlice>& solved = passes.solved();
     std::vector<std::size_t> noisy;
-    for (const std::size_t j : computed) {
+    for (const std::size_t j : missing) {
         if (wants_finer_sizes(solved[j].report, request.solver.tolerance)) noisy.push_back(j);
     }
     if (!noisy.empty() && request.scene.particles.tolerance == 0.0) {
-        OpticsDemand finer = demand;
+        OpticsDemand finer = whole;
         finer.tolerance *= kFinerMatrices;
-        solve_with(finer, noisy);
+        passes.solve_with(finer, whole, noisy);
     }
     std::vector<LayerSlice> slices;
-    std::vector<int> uses(jobs.size(), 0);
+    std::vector<int> uses(list.jobs.size(), 0);
     for (const std::size_t job : list.serving) ++uses[job];
     for (std::size_t w = 0; w < list.serving.size(); ++w) {
         const std::size_t job = list.serving[w];

@@ -1,5 +1,5 @@
-// The layers of a scene without its surface, wavelength by wavelength: what is remembered is looked
-// up, the rest goes through Mie theory and radiative transfer.
+// The layers of a scene without its surface, wavelength by wavelength: looked up in the cache or
+// solved by Mie theory and radiative transfer.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -35,8 +35,8 @@ struct LayerRequest {
     LayerQuantity quantity = LayerQuantity::reflection;
 };
 
-/// What layers may hide of those below (visible_optics). Where the light that passes them is wanted
-/// too, only what lets nothing through hides a ground.
+/// The tolerance for layers that are taken as hidden (visible_optics). It is 0 where transmittance
+/// into a ground is wanted: then only layers that transmit nothing hide it.
 double tolerance_of_hiding(const LayerRequest& request);
 
 /// Nodes that the solver begins with, whatever Mie theory leaves it of the tolerance (at least
@@ -76,11 +76,11 @@ struct LayerSlice {
 
 class DistinctDirections;
 
-/// A slice at the distinct directions as one at all those that were asked for.
+/// A slice at the distinct directions, copied to all requested directions.
 LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity);
 
-/// Whether more nodes than were foreseen kept all the moments of `demand`, which is short of what
-/// there are: those beyond may show.
+/// Whether the solution has more nodes than the first pass and uses all moments of `demand`, while
+/// a medium has more moments: these may change R.
 bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
                    const WavelengthReport& solved, const rte::Stack& stack);
 
@@ -90,7 +90,7 @@ bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
 /// @throws UsageError, Cancelled
 std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Control& control);
 
-/// Those of a request for no values: one for each wavelength, converged.
+/// Slices of a request for no values: one for each wavelength, converged.
 std::vector<LayerSlice> without_values(const ResolvedScene& scene);
 
 }  // namespace miebrdf

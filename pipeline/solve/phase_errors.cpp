@@ -42,7 +42,7 @@ struct PhasePart {
     double share = 1.0;                     ///< of the layer's scattering
     std::size_t species = 0;                ///< of the medium
 
-    /// The layer's P has this times the part's own.
+    /// (Contribution of this part to the layer's P) / (P of the part).
     double factor(double cos_theta) const {
         return crowded == nullptr ? share : share * crowded->factor(cos_theta);
     }
@@ -80,15 +80,15 @@ struct Weight {
     double doubt(double cos_theta) const { return peak_share(cos_theta).doubt * by_peak; }
 };
 
-/// One part of one layer at one angle, and the change of R by its errors at a direction.
+/// One part of one layer at one scattering angle, and the change of R in a direction by its errors.
 struct Term {
     std::size_t layer, part;
     double cos_theta;
     double value, doubt;  ///< of Weight, times the part's share
 };
 
-/// The place of each scaled medium among the stack's, from the top down. Layers without depth, of
-/// which some are left out, scatter nothing.
+/// The index of each scaled medium among the media of the stack, counted from the top. Layers of
+/// depth 0 scatter nothing and keep 0.
 std::vector<std::size_t> places_from_top(const rte::Stack& stack, const rte::ScaledStack& scaled) {
     std::vector<std::size_t> with_depth, places(scaled.media.size(), 0);
     for (std::size_t c = 0; c < stack.coats.size(); ++c) {
@@ -102,7 +102,7 @@ std::vector<std::size_t> places_from_top(const rte::Stack& stack, const rte::Sca
     return places;
 }
 
-/// All that errs in the layers of a scene, and how it comes into R.
+/// The phase functions with errors in the layers of a scene, and dR/dP of each.
 class NoisyLayers {
   public:
     explicit NoisyLayers(const SolvedLayers& solved)
@@ -118,12 +118,12 @@ class NoisyLayers {
             part_count_ += parts.size();
         }
         places_ = places_from_top(solved.stack, scaled_);
-        // A rough boundary averages over angles.
+        // Below a rough boundary R averages P over angles, and its errors.
         if (solved.stack.boundary && solved.stack.boundary->is_rough()) part_count_ = 0;
     }
     NoisyLayers(const NoisyLayers&) = delete;
 
-    /// 0: nothing errs.
+    /// 0: no phase function has errors.
     std::size_t part_count() const { return part_count_; }
     /// From the bottom up.
     std::size_t layers() const { return parts_.size(); }
@@ -186,11 +186,11 @@ void NoisyLayers::for_each_direction(const std::vector<double>& reflection,
     }
 }
 
-/// P of one layer at one angle, anew.
+/// P of one part of a layer, recomputed at one angle.
 struct Point {
-    double allowed = std::numeric_limits<double>::infinity();
-    double change = 0.0;  ///< against the table
-    double noise = 0.0;   ///< rms
+    double allowed = std::numeric_limits<double>::infinity();  ///< error, rms
+    double change = 0.0;                                       ///< recomputed P - P of the table
+    double noise = 0.0;                                        ///< error left, rms
 };
 
 /// Points of each part of each layer by angle; angles that differ by rounding are one.
@@ -208,7 +208,7 @@ const Point* find_point(const Points& points, const Term& term) {
     return found == of_part.end() ? nullptr : &found->second;
 }
 
-/// P of a species at the angles of its points, from as many sizes as that takes.
+/// Computes P of a species at its points, with as many sizes as the allowed errors need.
 void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDemand& demand,
                  const PhasePart& part, const mie::Executor& run, std::map<double, Point>& points) {
     std::vector<double> angles_deg, errors;
@@ -223,7 +223,7 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
         point.change =
             values.phase[at] - (*part.table)(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
         point.noise = values.error[at] / kDeviations;
-        // A bounded number of sizes may do worse than the table.
+        // The number of sizes is bounded: where their noise exceeds that of the table, P stays.
         const double of_table =
             part.table->noise(std::cos(angles_deg[at] * std::numbers::pi / 180.0));
         if (!(point.noise < of_table)) point = {point.allowed, 0.0, of_table};
@@ -231,16 +231,17 @@ void find_points(const ResolvedSpecies& species, std::size_t w, const OpticsDema
     }
 }
 
-/// A point may err by this where the doubt about the peak takes a part of what is left of the
-/// tolerance there: the part that points do not have in any case, then theirs, but for half of it.
+/// The error allowed to a point beside the `doubt` about its forward peak: left^2 = error^2 +
+/// doubt^2, where left = allowed / kShareOfPoints is all that is left of the tolerance; between
+/// kLeastBesideDoubt x allowed and allowed.
 double beside_doubt(double allowed, double doubt) {
     const double left = allowed / kShareOfPoints;
     const double rest = std::sqrt(std::max(left * left - doubt * doubt, 0.0));
     return std::clamp(rest, kLeastBesideDoubt * allowed, allowed);
 }
 
-// NaN, too, and for good.
-void raise(double& largest, double value) {
+// A NaN counts as the largest, and stays.
+void keep_largest(double& largest, double value) {
     if (value > largest || std::isnan(value)) largest = value;
 }
 
@@ -262,7 +263,7 @@ PhaseErrors errors_left(const NoisyLayers& layers, const SolvedLayers& solved,
                 noise = std::hypot(noise, term.value * own, term.doubt * change);
             }
             noise = brightest > 0.0 ? noise / brightest : 0.0;
-            raise(worst.with_transfer, solved.transfer_errors[k] + kDeviations * noise);
+            keep_largest(worst.with_transfer, solved.transfer_errors[k] + kDeviations * noise);
             if (!(noise > worst.noise.largest)) return;
             worst.noise = {noise, directions.mu_in[k / azimuths / outs],
                            directions.mu_out[k / azimuths % outs],
@@ -273,7 +274,7 @@ PhaseErrors errors_left(const NoisyLayers& layers, const SolvedLayers& solved,
 
 PhaseErrors of_transfer_alone(const SolvedLayers& solved) {
     PhaseErrors errors;
-    for (const double error : solved.transfer_errors) raise(errors.with_transfer, error);
+    for (const double error : solved.transfer_errors) keep_largest(errors.with_transfer, error);
     return errors;
 }
 
@@ -301,22 +302,22 @@ PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const Optics
     for (std::size_t i = 0; i < points.size(); ++i) points[i].resize(layers.parts(i).size());
     layers.for_each_direction(reflection, [&](std::size_t k, const std::vector<Term>& terms,
                                               double brightest) {
-        // An rms; terms err independently of each other.
+        // As an rms, shared by terms whose errors are independent.
         const double largest = allowed[k] * std::max(brightest, 0.0) /
                                (kDeviations * std::sqrt(static_cast<double>(terms.size())));
         for (const Term& term : terms) {
             if (!(term.value > 0.0)) continue;
             const double noise = layers.parts(term.layer)[term.part].table->noise(term.cos_theta);
             if (noise <= largest / term.value) continue;
-            // The table's noise is what P will change by, as far as is known before. Straight back
-            // the doubt is so large that no number of sizes makes up for it: it is stated.
+            // The noise of the table is the expected change of P. Straight back the doubt exceeds
+            // the tolerance whatever the number of sizes: it is stated, and points get all.
             const double doubt = is_straight_back(term.cos_theta) ? 0.0 : term.doubt * noise;
             Point& point = points[term.layer][term.part][angle_of(term.cos_theta)];
             point.allowed = std::min(point.allowed, beside_doubt(largest, doubt) / term.value);
         }
     });
     for (std::size_t i = 0; i < points.size(); ++i) {
-        // The layers that show are the scene's topmost.
+        // The layers of the stack are the topmost of the scene.
         const ResolvedMedium& medium = scene.media[scene.media.size() - 1 - layers.place(i)];
         for (std::size_t p = 0; p < points[i].size(); ++p) {
             const PhasePart& part = layers.parts(i)[p];

@@ -1,4 +1,5 @@
-// Errors of the phase function change R at single directions; a few of them are cured here.
+// Errors of phase functions at single angles: their effect on R, and new values of P where it is
+// too large.
 #pragma once
 
 #include <miebrdf/brdf.h>
@@ -22,30 +23,31 @@ struct SolvedLayers {
 
 struct PhaseErrors {
     PhaseNoise noise = {};
-    /// Largest over the values: what transfer errs by and twice the noise.
+    /// The largest over the values of (error of transfer) + 2 noise.
     double with_transfer = 0.0;
 };
 
-/// Transparent spheres ripple in size and angle: points of their averaged phase function err by a
-/// few parts in a thousand (mie::PhaseTable::noise), independently of each other, and light
-/// scattered once brings that into R. Moments, albedos and means over directions average it out.
+/// The error of R by the noise of P. P of transparent spheres ripples in size and angle: points of
+/// the average err by a few 1e-3 (mie::PhaseTable::noise), independently of each other, and light
+/// scattered once carries these errors into R. In moments, albedos and means over directions they
+/// cancel.
 ///
-/// Single scattering with the noise for P, weakened by what lies above; layers err independently.
-/// Where the moments come from the same table, its errors are in both, and light that is diffracted
-/// before or after counts by what degree they belong to (rte/first_order/glory_correction.h).
+/// Each layer adds (dR/dP of light scattered once) x noise, independently of other layers. Where
+/// the moments come from the same table, they have the errors, too; their effect through the
+/// forward peak depends on the degree (rte/first_order/glory_correction.h).
 ///
 /// @param reflection  R laid out as BrdfValues::Slice
 PhaseErrors phase_errors(const SolvedLayers& layers, const std::vector<double>& reflection);
 
-/// True if a layer has a phase function that errs at single angles.
+/// Whether a layer has a phase function with errors at single angles.
 bool has_noisy_phase(const rte::Stack& stack);
 
-/// P anew, at the angles of directions where twice the noise is above `allowed`, from as many sizes
-/// as that takes; R is linear in P there.
+/// Recomputes P, with more sizes, at the angles of directions where twice the noise exceeds
+/// `allowed`, and corrects R, which is linear in P there.
 /// @param w           the wavelength
 /// @param allowed     of each value, relative to the largest value at its incidence
 /// @param reflection  corrected
-/// @return what is left
+/// @return the errors left
 PhaseErrors refine_phase(const ResolvedScene& scene, std::size_t w, const OpticsDemand& demand,
                          const SolvedLayers& layers, const std::vector<double>& allowed,
                          std::vector<double>& reflection, const mie::Executor& run);
