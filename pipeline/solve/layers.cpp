@@ -327,7 +327,7 @@ class LayerPasses {
     std::vector<LayerSlice> solved_;
     std::vector<LightChoice> light_;  ///< by job
     tbb::enumerable_thread_specific<rte::SolutionMemory> memories_{
-        [boundaries = rough_boundaries_of(control_)] { return rte::memory_with(boundaries); }};
+        [this] { return memory_of(control_); }};
 };
 
 }  // namespace

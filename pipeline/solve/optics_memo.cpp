@@ -115,9 +115,9 @@ std::shared_ptr<OpticsMemo> make_optics_memo(std::size_t limit_bytes) {
     return std::make_shared<OpticsMemo>(limit_bytes);
 }
 
-std::shared_ptr<rte::RoughBoundaries> rough_boundaries_of(const Control& control) {
-    return control.memo != nullptr ? control.memo->rough_boundaries()
-                                   : std::make_shared<rte::RoughBoundaries>();
+rte::SolutionMemory memory_of(const Control& control) {
+    if (control.memo == nullptr) return {};
+    return rte::memory_with(control.memo->rough_boundaries(), control.memo->kept_layers);
 }
 
 MediumOptics remembered_optics(const Control& control, const std::string& hash,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <miebrdf/control.h>
+#include <miebrdf/transfer.h>
 
 #include <cstddef>
 #include <functional>
@@ -19,8 +20,9 @@
 namespace miebrdf {
 
 namespace rte {
+class KeptLayers;
 class RoughBoundaries;
-}
+}  // namespace rte
 class SizeLattice;
 
 /// Results as a row of numbers, for the cache.
@@ -63,6 +65,8 @@ class OpticsMemo {
     /// Whether spheres a little different, for derivatives, are kept too: scenes of one run ask for
     /// the same ones again; set before the memo is used.
     bool keeps_changes = false;
+    /// What is solved of layers below the topmost one; null: nothing is kept of them.
+    std::shared_ptr<rte::KeptLayers> kept_layers = {};
     /// Above 0: spheres are averaged once, with the whole phase function and to this tolerance, for
     /// every demand that this meets; their moments, depths and phase function are asked for.
     double whole_tolerance = 0.0;
@@ -80,8 +84,8 @@ class OpticsMemo {
     std::shared_ptr<rte::RoughBoundaries> rough_boundaries_;
 };
 
-/// Those of the memo, or none but the caller's own.
-std::shared_ptr<rte::RoughBoundaries> rough_boundaries_of(const Control& control);
+/// Memory of solutions that has the memo's boundaries and layers, where there is a memo.
+rte::SolutionMemory memory_of(const Control& control);
 
 /// Optics from where they are known: from an earlier scene of the run, from other processes, or
 /// from the cache; else computed and kept in all of them.

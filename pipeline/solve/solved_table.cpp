@@ -44,10 +44,9 @@ std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, int un
         optics = visible_optics(scene, request.directions, state.solver.tolerance, all, polarised,
                                 demand, control);
     }
-    const auto boundaries = rough_boundaries_of(control);
     std::vector<std::optional<SolvedWavelength>> solved(count);
     run_parallel("radiative transfer", count, control, [&](std::size_t w) {
-        rte::SolutionMemory memory = rte::memory_with(boundaries);
+        rte::SolutionMemory memory = memory_of(control);
         solved[w].emplace(scene, w, optics[w], state.solver, state.part, light[w],
                           state.components > 1, unchecked_nodes, memory, control);
     });

@@ -11,6 +11,7 @@
 
 namespace miebrdf::rte {
 
+class KeptLayers;
 class RoughBoundaries;
 
 struct ScaledStack {
@@ -26,6 +27,8 @@ struct ScaledStack {
     std::optional<Boundary> boundary = {};  ///< empty too where the topmost medium is as air
     /// Where `boundary` is rough, those that were made before; never null then.
     std::shared_ptr<RoughBoundaries> rough_boundaries = {};
+    /// What was solved of layers below the topmost one; null: nothing is kept.
+    std::shared_ptr<KeptLayers> kept_layers = {};
     int moments = 1;  ///< Legendre moments of the medium that has most
     /// The flux into what lies below is wanted (Reflector::transmittance_at_requested): nothing is
     /// left out.

@@ -256,6 +256,7 @@ SolutionParts::AtStreams& SolutionParts::with_streams(int streams) {
     by_streams.push_back(std::make_unique<AtStreams>());
     by_streams.back()->streams = streams;
     by_streams.back()->scaled.rough_boundaries = rough_boundaries;
+    by_streams.back()->scaled.kept_layers = kept_layers;
     return *by_streams.back();
 }
 
@@ -264,9 +265,11 @@ SolutionMemory::~SolutionMemory() = default;
 SolutionMemory::SolutionMemory(SolutionMemory&&) noexcept = default;
 SolutionMemory& SolutionMemory::operator=(SolutionMemory&&) noexcept = default;
 
-SolutionMemory memory_with(std::shared_ptr<RoughBoundaries> boundaries) {
+SolutionMemory memory_with(std::shared_ptr<RoughBoundaries> boundaries,
+                           std::shared_ptr<KeptLayers> layers) {
     SolutionMemory memory;
     SolutionParts::of(memory).rough_boundaries = std::move(boundaries);
+    SolutionParts::of(memory).kept_layers = std::move(layers);
     return memory;
 }
 
@@ -297,6 +300,7 @@ TabulatedOrders tabulate_orders(const Stack& requested_stack, const std::vector<
     const Stack stack = light.components > 1 ? with_all_moments(requested_stack) : requested_stack;
     TabulatedOrders table;
     table.stack.rough_boundaries = SolutionParts::of(known).rough_boundaries;
+    table.stack.kept_layers = SolutionParts::of(known).kept_layers;
     scale_stack(stack, solved.moments, options.delta_m, table.stack);
     const StackGrids grids(table.stack, choose_discretisation(stack, options, solved.streams).grid,
                            solved.streams);

@@ -21,10 +21,14 @@ struct TabulatedOrders {
     bool physical = true;  ///< false: orders may be missing
 };
 
+class KeptLayers;
 class RoughBoundaries;
 
-/// A memory that shares its rough boundaries with other solutions, in this thread or others.
-SolutionMemory memory_with(std::shared_ptr<RoughBoundaries> boundaries);
+/// A memory that shares its rough boundaries and the layers below the topmost one with other
+/// solutions, in this thread or others.
+/// @param layers  null: these are not kept
+SolutionMemory memory_with(std::shared_ptr<RoughBoundaries> boundaries,
+                           std::shared_ptr<KeptLayers> layers);
 
 /// Solves a stack between all pairs of cosines with the nodes and moments of an earlier solution.
 /// @param solved  its report, by `reflect`

@@ -34,6 +34,7 @@ struct SolutionParts {
     };
 
     std::shared_ptr<RoughBoundaries> rough_boundaries = std::make_shared<RoughBoundaries>();
+    std::shared_ptr<KeptLayers> kept_layers = {};
     std::vector<std::unique_ptr<AtStreams>> by_streams = {};
     RequestedDirections requested = {};
     std::vector<double> mu_in = {};  ///< of `requested`

@@ -78,17 +78,22 @@ StackSolver::StackSolver(const ScaledStack& stack, const StackGrids& grids,
             *stack.rough_boundaries, stack.top_index, *stack.boundary,
             grids.refraction().within(stack.top_index), requested, unscattered_);
     }
-    if (components == 1) return;
-    for (const ScaledMedium& medium : stack.media) {
+    if (components > 1) set_up_stokes();
+    if (stack.kept_layers != nullptr) name_layers_below_top();
+}
+
+void StackSolver::set_up_stokes() {
+    for (const ScaledMedium& medium : stack_.media) {
         strengths_.push_back(matrix_strengths(medium));
         couples_V_ = couples_V_ || strengths_.back().has_b2();
     }
     // Total reflection and metals turn U into V even where media do not (b2 = 0).
-    couples_V_ = couples_V_ || (components == 4 && has_fresnel_);
+    couples_V_ = couples_V_ || (components_ == 4 && has_fresnel_);
+    const std::size_t count = grids_.indices().size();
     for (std::size_t k = 0; k < count; ++k) {
         Rows& all = rows_.emplace_back();
         for (int rows = 1; rows <= 4; ++rows) {
-            all.grids[std::size_t(rows)] = repeated(grids.of(grids.indices()[k]), rows);
+            all.grids[std::size_t(rows)] = repeated(grids_.of(grids_.indices()[k]), rows);
             all.requested[std::size_t(rows)] = repeated(memory_.requested[k], rows);
         }
     }
@@ -152,12 +157,22 @@ void StackSolver::solve_block(const StokesBlock& block, const Eigen::VectorXd* l
     const ReflectorParts parts = has_energy ? ReflectorParts::sky : ReflectorParts::pairs;
     const bool has_boundary = stack_.top_index != 1.0;
     const bool scatters = fourier_order_ < stack_.moments;
-    const std::size_t first_coat = scatters ? solve_lowest() : solve_mirrors();
+    const std::optional<std::size_t> hiding = scatters ? find_hiding_coat() : std::nullopt;
+    const std::size_t top = stack_.media.size() - 1;
+    const bool may_keep = scatters && !below_top_.empty() && follower_ == nullptr && hiding != top;
+    const bool is_kept = may_keep && take_kept_layers(hiding);
+    const std::size_t first_coat = is_kept    ? top
+                                   : scatters ? solve_lowest(hiding)
+                                              : solve_mirrors();
     if (has_energy) find_skies(let_in, let_out);
     bool has_sky = has_boundary;
     double index = first_coat > 0 ? stack_.media[first_coat - 1].index : stack_.ground_index;
     for (std::size_t c = first_coat; c < stack_.media.size() && reflector_->physical; ++c) {
-        const bool is_top = c + 1 == stack_.media.size() && !has_boundary;
+        if (may_keep && !is_kept && c == top) {
+            stack_.kept_layers->keep(below_top_, place_of_block(hiding),
+                                     {*reflector_, memory_.brightness});
+        }
+        const bool is_top = c == top && !has_boundary;
         const double next = stack_.media[c].index;
         if (next != index) put_on_boundary(index, next, ReflectorParts::nodes);
         index = next;

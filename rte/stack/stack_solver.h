@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <miebrdf/solver.h>
@@ -13,6 +15,7 @@
 #include "rte/first_order/first_order.h"
 #include "rte/fourier/eigenmodes.h"
 #include "rte/layer/layer.h"
+#include "rte/stack/kept_layers.h"
 #include "rte/stack/scaled_stack.h"
 #include "rte/stokes/coupled.h"
 #include "rte/stokes/stokes_mode.h"
@@ -149,16 +152,24 @@ class StackSolver {
         std::array<RequestedDirections, 5> requested;
     };
 
+    void set_up_stokes();
+    /// Sets below_top_, where there are such layers and their methods are automatic.
+    void name_layers_below_top();
     void start(int fourier_order);
     /// @param let_in, let_out  null: weights of 1
     void solve_block(const StokesBlock& block, const Eigen::VectorXd* let_in = nullptr,
                      const Eigen::VectorXd* let_out = nullptr);
     void find_skies(const Eigen::VectorXd* let_in, const Eigen::VectorXd* let_out);
     void spread_over_rows(const Eigen::VectorXd& at_nodes, Eigen::VectorXd& rows) const;
-    /// Solves the base, or the topmost coat that hides the layers below in this order and is solved
-    /// as a half-space.
+    /// The topmost coat that hides the layers below in this order and is solved as a half-space.
+    std::optional<std::size_t> find_hiding_coat();
+    /// Solves the base, or that coat.
     /// @return the place of the next coat in ScaledStack::media
-    std::size_t solve_lowest();
+    std::size_t solve_lowest(std::optional<std::size_t> hiding);
+    KeptLayers::Place place_of_block(std::optional<std::size_t> hiding) const;
+    /// All layers without the topmost one, as they were solved for another stack; false: they were
+    /// not.
+    bool take_kept_layers(std::optional<std::size_t> hiding);
     /// Sets the reflection of all layers below a rough boundary in an order in which none scatters.
     /// @return the number of media: no coat is left
     std::size_t solve_mirrors();
@@ -181,6 +192,7 @@ class StackSolver {
     void keep_albedos();
     /// False where transmittance is wanted, or where a method of the paper treats every layer.
     bool may_leave_out_layers() const;
+    bool has_automatic_methods() const;
     /// Whether the present block couples V to U (by total reflection, metals or b2), which makes
     /// its equations unsymmetric.
     bool is_coupled() const;
@@ -212,6 +224,7 @@ class StackSolver {
     bool couples_V_ = false;                  ///< by b2, boundaries or mirrors
     std::vector<MatrixStrengths> strengths_;  ///< of the media, for Stokes vectors
     std::vector<Rows> rows_;                  ///< by index, for Stokes vectors
+    std::string below_top_;  ///< KeptLayers' name of all but the topmost medium; empty: none
     std::unique_ptr<RoughTop> rough_top_;
     /// Share of light that returns to a node below a rough boundary unscattered from mirrors.
     Eigen::VectorXd unscattered_;

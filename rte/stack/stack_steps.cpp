@@ -31,24 +31,90 @@ void StackSolver::set_medium(std::size_t medium) {
     }
 }
 
-bool StackSolver::may_leave_out_layers() const {
-    return !stack_.transmits && options_.coat_method == CoatMethod::automatic &&
+bool StackSolver::has_automatic_methods() const {
+    return options_.coat_method == CoatMethod::automatic &&
            options_.half_space_method == HalfSpaceMethod::automatic;
 }
 
-std::size_t StackSolver::solve_lowest() {
+bool StackSolver::may_leave_out_layers() const {
+    return !stack_.transmits && has_automatic_methods();
+}
+
+std::optional<std::size_t> StackSolver::find_hiding_coat() {
     const std::size_t first_coat = stack_.base == BaseKind::half_space ? 1 : 0;
     const double allowed = tolerance_ * std::min(stack_.brightness, 1.0);
     for (std::size_t c = stack_.media.size(); c-- > first_coat && may_leave_out_layers();) {
         const double depth = stack_.media[c].scaled_optical_depth;
         if (!hides_in_fourier_order({}, depth, allowed)) continue;  // not even without scattering
         set_medium(c);
-        if (!hides_in_fourier_order(memory_.medium, depth, allowed)) continue;
-        solve_as_half_space(HalfSpaceMethod::automatic, c);
-        return c + 1;
+        if (hides_in_fourier_order(memory_.medium, depth, allowed)) return c;
     }
-    solve_base();
-    return first_coat;
+    return std::nullopt;
+}
+
+std::size_t StackSolver::solve_lowest(std::optional<std::size_t> hiding) {
+    if (!hiding) {
+        solve_base();
+        return stack_.base == BaseKind::half_space ? 1 : 0;
+    }
+    set_medium(*hiding);
+    solve_as_half_space(HalfSpaceMethod::automatic, *hiding);
+    return *hiding + 1;
+}
+
+void StackSolver::name_layers_below_top() {
+    if (stack_.media.size() < 2 || stack_.ground || !has_automatic_methods()) return;
+    const auto add = [&](const auto&... numbers) {
+        const auto add_one = [&](const auto& number) {
+            below_top_.append(reinterpret_cast<const char*>(&number), sizeof number);
+        };
+        (add_one(numbers), ...);
+    };
+    const auto add_list = [&](const auto& list) {
+        add(list.size());
+        for (const auto& number : list) add(number);
+    };
+    add(components_, tolerance_, couples_V_, has_fresnel_, stack_.moments, stack_.base,
+        stack_.ground_albedo, stack_.mirror_index, stack_.ground_index, stack_.transmits);
+    for (std::size_t m = 0; m + 1 < stack_.media.size(); ++m) {
+        const ScaledMedium& medium = stack_.media[m];
+        add(medium.index, medium.scaled_optical_depth, medium.scaled.one_minus_albedo,
+            medium.scaled.albedo);
+        add_list(medium.scaled.chi);
+        if (components_ == 1) continue;
+        const auto& [a3, a4, b2, first, second, cosine, sine, upper, lower, circular_cosine,
+                     circular_sine] = strengths_[m];
+        for (const Eigen::VectorXd* list : {&a3, &a4, &b2, &first, &second, &cosine, &sine, &upper,
+                                            &lower, &circular_cosine, &circular_sine})
+            add_list(*list);
+    }
+    for (std::size_t k = 0; k < grids_.indices().size(); ++k) {
+        const double index = grids_.indices()[k];
+        add(index);
+        add_list(grids_.of(index).mu);
+        add_list(grids_.of(index).weights);
+        add_list(memory_.requested[k].mu);
+        for (const auto* list :
+             {&memory_.requested[k].out, &memory_.requested[k].in, &memory_.requested[k].beside})
+            add_list(*list);
+    }
+}
+
+KeptLayers::Place StackSolver::place_of_block(std::optional<std::size_t> hiding) const {
+    const std::size_t lowest = hiding.value_or(0);
+    return {fourier_order_, int(block_->front()), hiding ? lowest + 1 : 0,
+            fourier_order_ > 0 ? memory_.brightness[lowest] : 0.0};
+}
+
+bool StackSolver::take_kept_layers(std::optional<std::size_t> hiding) {
+    const auto kept = stack_.kept_layers->find(below_top_, place_of_block(hiding));
+    if (kept == nullptr) return false;
+    const std::size_t top = stack_.media.size() - 1;
+    set_medium(top);  // the mode of the block
+    memory_.brightness = kept->brightness;
+    reflector_ = &free_reflector(stack_.media[top - 1].index);
+    *reflector_ = kept->layers;
+    return true;
 }
 
 std::size_t StackSolver::solve_mirrors() {

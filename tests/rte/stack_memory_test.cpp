@@ -1,5 +1,7 @@
 #include <cmath>
 
+#include "rte/boundary/rough_boundaries.h"
+#include "rte/stack/kept_layers.h"
 #include "rte/stack/layered_reflection.h"
 #include "rte/stack/stack_solver.h"
 #include "tests/support/catch.h"
@@ -21,6 +23,43 @@ TEST_CASE("stacks solved one after the other in the same memory give the same bi
                       rte::reflect(stack, directions, options).reflection);
                 CHECK(rte::albedo(stack, {0.3, 0.9}, options, {}, &memory).plane_albedo ==
                       rte::albedo(stack, {0.3, 0.9}, options).plane_albedo);
+            }
+        }
+    }
+}
+
+TEST_CASE("layers kept from other stacks give the same bits below another topmost one",
+          "[rte][memory]") {
+    // Thick layers hide others in some orders; the topmost one changes, then one below it.
+    const auto kept = std::make_shared<rte::KeptLayers>();
+    auto memory = rte::memory_with(std::make_shared<rte::RoughBoundaries>(), kept);
+    const rte::Directions directions{{0.2, 1.0}, {0.1, 0.7}, {0.0, 70.0, 180.0}};
+    const rte::SolverOptions options{.tolerance = 1e-3, .streams = 12};
+    for (const auto kind : {rte::BaseKind::half_space, rte::BaseKind::lambertian}) {
+        for (const bool has_boundary : {false, true}) {
+            int before = kept->found();
+            for (const double g : {0.6, 0.5}) {
+                for (const double depth : {0.1, 0.1, 1.0, 5.0, 30.0}) {
+                    rte::Stack stack{
+                        .base = rte::henyey_greenstein_optics(0.97, g),
+                        .coats = {{rte::rayleigh_optics(0.5 + 0.5 * g), 2.0, 1.5},
+                                  {rte::henyey_greenstein_optics(0.7, 0.3), depth, 1.3}},
+                        .base_kind = kind,
+                        .ground_albedo = g,
+                        .base_index = 1.5};
+                    if (has_boundary) stack.boundary = rte::Boundary{};
+                    CAPTURE(int(kind), has_boundary, g, depth);
+                    CHECK(rte::reflect(stack, directions, options, &memory).reflection ==
+                          rte::reflect(stack, directions, options).reflection);
+                    CHECK(rte::albedo(stack, {0.3, 0.9}, options, {}, &memory).plane_albedo ==
+                          rte::albedo(stack, {0.3, 0.9}, options).plane_albedo);
+                    const rte::SolvedLight light{3, true};
+                    CHECK(rte::reflect_polarised(stack, directions, light, options, &memory)
+                              .reflection ==
+                          rte::reflect_polarised(stack, directions, light, options).reflection);
+                    if (depth == 1.0) CHECK(kept->found() > before);
+                    before = kept->found();
+                }
             }
         }
     }

@@ -31,11 +31,18 @@ def white(thickness, radius):
             "boundary": ["smooth"], "missing-k-zero": [True]}
 
 
+def three_coats(thickness):
+    return {"substrate": ["lambert:0.05"], "boundary": ["smooth"], "missing-k-zero": [True],
+            "coat": ["TiO2,radius=0.13,volume=15% in PMMA@20um", "Fe2O3,radius=0.1,volume=1% in PMMA@5um",
+                     f"TiO2,radius=0.1,volume=2% in PMMA@{thickness:.5g}um"]}
+
+
 CASES = {
     "gold on rutile, thickness": lambda x: gold(0.5 + 0.7 * x, 0.03),
     "gold on rutile, radius": lambda x: gold(0.5, 0.03 + 0.05 * x),
     "white paint, thickness": lambda x: white(40 + 50 * x, 0.13),
     "white paint, radius": lambda x: white(40, 0.13 + 0.1 * x),
+    "three coats, the topmost": lambda x: three_coats(10 + 10 * x),
     "snow of 50 um, radius": lambda x: {"base": [f"H2O_ice,radius={50 + 50 * x:.5g}"]},
 }
 

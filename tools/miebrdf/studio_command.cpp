@@ -25,6 +25,7 @@
 #include "pipeline/report/report_data.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/size_lattice.h"
+#include "rte/stack/kept_layers.h"
 #include "tools/miebrdf/program.h"
 #include "tools/miebrdf/result_facts.h"
 #include "tools/miebrdf/run_command.h"
@@ -306,7 +307,10 @@ class Studio {
     /// of previews are interpolated between sizes that are kept.
     std::shared_ptr<OpticsMemo> memo_for(const Request& request, bool is_preview) {
         std::shared_ptr<OpticsMemo>& memo = is_preview ? preview_memo_ : memo_;
-        if (memo == nullptr || memo->free_bytes() < kLeastMemory) memo = make_optics_memo(kMemory);
+        if (memo == nullptr || memo->free_bytes() < kLeastMemory) {
+            memo = make_optics_memo(kMemory);
+            memo->kept_layers = std::make_shared<rte::KeptLayers>();
+        }
         const double tolerance = request.scene.particles.tolerance;
         memo->whole_tolerance = demand_of(request.solver, tolerance, PhaseDemand::whole).tolerance;
         if (is_preview)
