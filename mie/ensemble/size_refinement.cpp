@@ -12,23 +12,26 @@ namespace {
 using Scalars = Eigen::Array4d;
 constexpr int kLogOfAbsorption = 1, kAsymmetry = 3;
 
+Scalars scalars_of(double extinguished, double absorbed, double asymmetry) {
+    return {std::log(extinguished), absorbed > 0 ? std::log(absorbed) : 0.0, absorbed, asymmetry};
+}
+
 Scalars scalars_of(const SphereSums& sums) {
     const double extinguished = sums.scattered + sums.absorbed;
-    const double absorbed = sums.absorbed / extinguished;
-    return {std::log(extinguished), absorbed > 0 ? std::log(absorbed) : 0.0, absorbed,
-            2 * sums.asymmetric / sums.scattered};
+    return scalars_of(extinguished, sums.absorbed / extinguished,
+                      2 * sums.asymmetric / sums.scattered);
 }
 
 // The changes of the scalars that count alike. A half-space of similar spheres has an albedo A with
 // 1 - A about sqrt(6 (1 - omega) / (1 - omega g)): d(1 - A) = (1 - A)/2 d ln(1 - omega), at most
 // 0.15; and light that is scattered forward is light that is not scattered, so that g counts as
 // 1 - g does.
-Scalars weights_of(const SphereSums& sums) {
-    const EnsembleOptics optics = efficiencies_of(sums, 1.0);
+Scalars weights_of(const EnsembleOptics& optics) {
     return {1.0, std::min(0.15, 0.5 * std::sqrt(6 * similar_absorption(optics))),
             1 / std::max(optics.single_scattering_albedo, 1e-30),
             1 / std::clamp(1 - optics.asymmetry, 1e-6, 1.0)};
 }
+Scalars weights_of(const SphereSums& sums) { return weights_of(efficiencies_of(sums, 1.0)); }
 
 // Series may be of different lengths: what a shorter one lacks is zero.
 Eigen::ArrayXd difference(const Eigen::ArrayXd& a, const Eigen::ArrayXd& b) {
@@ -207,6 +210,19 @@ RefinedAverage refine_sizes(const Ensemble& ensemble, const SizeSummation& summa
     if (!is_smooth_in_size(ensemble) || !refinement.by_gauss_nodes(tolerance))
         refinement.by_even_nodes(most_sizes);
     return std::move(refinement).result();
+}
+
+double difference_between(const EnsembleOptics& a, const EnsembleOptics& b) {
+    const auto scalars = [](const EnsembleOptics& o) {
+        return scalars_of(o.q_ext, o.one_minus_albedo, o.asymmetry);
+    };
+    const auto moments = [](const EnsembleOptics& o) {
+        return Eigen::ArrayXd(
+            Eigen::Map<const Eigen::ArrayXd>(o.chi.data(), Eigen::Index(o.chi.size())));
+    };
+    const Eigen::ArrayXd of_moments = difference(moments(a), moments(b));
+    return std::max(((scalars(a) - scalars(b)).abs() * weights_of(b)).maxCoeff(),
+                    of_moments.size() > 0 ? of_moments.abs().maxCoeff() : 0.0);
 }
 
 EnsembleOptics efficiencies_of(const SphereSums& sums, double share) {

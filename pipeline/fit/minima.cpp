@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
@@ -13,6 +12,7 @@
 
 #include <miebrdf/error.h>
 #include "pipeline/fit/least_squares.h"
+#include "pipeline/fit/polish.h"
 #include "pipeline/fit/problem.h"
 #include "pipeline/fit/start_advice.h"
 
@@ -21,10 +21,6 @@ namespace {
 
 /// Numbers closer than this share of their range are the same minimum.
 constexpr double kSameMinimum = 0.01;
-
-/// Averages from a lattice that move a number by more of its standard error than this are replaced
-/// by those of a finer one, or by averages of their own, from their minimum on.
-constexpr double kMostShift = 0.1;
 
 /// Analytic media: from so many starts. Of twelve starts of BRDFs of two lobes below a rough
 /// surface (sintered PTFE) 4, 2 and 4 reached the best minimum at 351, 532 and 633 nm, without the
@@ -45,14 +41,6 @@ std::vector<double> start_of(const FitProblem& problem, const Model& model, int 
                                : spread_number(problem.unknowns, slot.unknown, index));
     }
     return t;
-}
-
-std::vector<double> numbers_of(const FitProblem& problem, const Model& model,
-                               std::span<const double> t) {
-    std::vector<double> numbers;
-    for (std::size_t s = 0; s < t.size(); ++s)
-        numbers.push_back(number_of(problem.unknowns[model.slots()[s].unknown], t[s]));
-    return numbers;
 }
 
 class Searcher {
@@ -184,21 +172,6 @@ class Searcher {
     std::vector<double> refused_;
 };
 
-/// How far values that differ by `difference` move the numbers of a minimum, or any combination of
-/// them, in its own standard errors: what of the difference lies in the directions of the Jacobian.
-double shift_of(std::vector<double> difference, std::vector<double> derivatives,
-                const Target& target, double sigma) {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    target.to_sigmas(difference);
-    target.to_sigmas(derivatives);
-    const auto rows = Eigen::Index(difference.size());
-    const auto columns = Eigen::Index(derivatives.size()) / rows;
-    const Eigen::MatrixXd J = Eigen::Map<const RowMajor>(derivatives.data(), rows, columns);
-    const auto d = Eigen::Map<const Eigen::VectorXd>(difference.data(), rows);
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J);
-    return (qr.householderQ().adjoint() * d).head(qr.rank()).norm() / sigma;
-}
-
 bool are_of_one_spectrum(const MeasuredValue& a, const MeasuredValue& b) {
     const auto is_same = [](double x, double y) { return x == y || std::isnan(x + y); };
     return a.quantity == b.quantity && a.geometry == b.geometry && a.sample == b.sample &&
@@ -215,36 +188,6 @@ bool are_same(const FitProblem& problem, const Model& model, const std::vector<d
         if (!(apart <= kSameMinimum * (range.high - range.low))) return false;
     }
     return true;
-}
-
-/// The values and derivatives that residuals and Jacobian were made of.
-void keep_known(const Minimum& best, const Target& target, Search& found) {
-    const std::size_t count = target.values.size();
-    found.values.assign(count, std::numeric_limits<double>::quiet_NaN());
-    if (!best.residuals.empty()) {
-        found.values = best.residuals;
-        target.from_sigmas(found.values);
-        for (std::size_t i = 0; i < count; ++i) found.values[i] += target.values[i];
-    }
-    found.derivatives = best.jacobian;
-    target.from_sigmas(found.derivatives);
-}
-
-/// The same of averages in place of those from the lattice of sizes.
-double lattice_shift(const FitProblem& problem, Model& model, const Target& target,
-                     const Minimum& best) {
-    Search known;
-    keep_known(best, target, known);
-    std::vector<double> difference(known.values.size());
-    model.evaluate_exactly(numbers_of(problem, model, best.x), difference);
-    double squares = 0.0;
-    for (std::size_t i = 0; i < difference.size(); ++i) {
-        squares += std::pow(best.residuals[i], 2);
-        difference[i] -= known.values[i];
-    }
-    const double freedom = double(difference.size()) - double(best.x.size());
-    const double sigma = has_sigmas(problem) ? 1.0 : std::sqrt(squares / std::max(freedom, 1.0));
-    return shift_of(difference, known.derivatives, target, sigma);
 }
 
 /// "r = 1210, v = 0.2", of numbers that all wavelengths share and of the first wavelength.
@@ -394,6 +337,7 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
     if (control.progress) control.progress("fit", 0, std::size_t(problem.most_iterations));
     try {
         model.prepare(numbers_of(problem, model, best.x));
+        model.search_coarsely(model.uses_lattice() && may_be_polished(problem));
         model.choose_streams(numbers_of(problem, model, best.x));
     } catch (const Cancelled&) {
         found.interrupted = true;
@@ -482,12 +426,25 @@ Search search(const FitProblem& problem, Model& model, const Target& target,
             best.converged = best.converged && !found.is_at_edge;
         }
         // Nodes that were enough at the start may be too few here.
-        for (int round = 0; round < 2 && !found.interrupted && best.converged; ++round) {
+        for (int round = 0; round < 2 && !model.is_coarse() && !found.interrupted && best.converged;
+             ++round) {
             if (!model.choose_streams(numbers_of(problem, model, best.x))) break;
             is_current = go_on();
             if (!is_current) break;
         }
-        while (model.uses_lattice() && !found.interrupted && best.converged) {
+        if (model.is_coarse() && !found.interrupted && best.converged) {
+            found.lattice_shift =
+                polish(problem, model, target, best, [&] { return searcher.cancelled(); });
+            found.minima.front() = {best.sum_of_squares, found.minima.front().starts,
+                                    numbers_of(problem, model, best.x)};
+            if (!found.lattice_shift) {
+                model.search_coarsely(false);
+                model.choose_streams(numbers_of(problem, model, best.x));
+                is_current = go_on();
+            }
+        }
+        while (is_current && !found.lattice_shift && model.uses_lattice() && !found.interrupted &&
+               best.converged) {
             found.lattice_shift = lattice_shift(problem, model, target, best);
             if (*found.lattice_shift <= kMostShift) break;
             found.lattice_shift.reset();

@@ -75,6 +75,9 @@ Model::Model(const FitProblem& problem, const Control& control)
       slots_(slots_of(problem.unknowns, wavelength_nm_.size())),
       jobs_(jobs_of(problem, slots_)) {
     for (const FitData& data : problem.data) values_ += data.values.size();
+    std::set<double> finest;
+    for (const Job& job : jobs_) finest.insert(job.finest_nm.begin(), job.finest_nm.end());
+    spectrum_nm_.assign(finest.begin(), finest.end());
     control_.cache = {};
     control_.progress = {};
     control_.job_begun = {};
@@ -85,6 +88,7 @@ Model::Model(const FitProblem& problem, const Control& control)
 const Control& Model::remembering() {
     if (control_.memo->free_bytes() < kLeastMemory) control_.memo = make_optics_memo();
     control_.memo->names().tells_crowding = false;
+    control_.memo->names().spectrum_nm = spectrum_nm_;
     control_.memo->lattice = lattice_is_used_ ? lattice_ : nullptr;
     return control_;
 }
@@ -95,7 +99,9 @@ std::size_t Model::slot(const Job& job, const std::string& name) const {
 
 Request Model::request(const Job& job, std::span<const double> numbers,
                        const std::vector<std::string>& names) const {
-    return request_of(problem_, slots_, job, numbers, names);
+    Request request = request_of(problem_, slots_, job, numbers, names);
+    if (is_coarse_) request.solver.tolerance = std::max(request.solver.tolerance, kSearchTolerance);
+    return request;
 }
 
 bool Model::has_closed_forms(const Job& job, std::span<const double> numbers,
@@ -182,13 +188,29 @@ void Model::prepare(std::span<const double> numbers) {
     lattice_is_used_ = true;
 }
 
+double Model::tolerance() const {
+    return std::max(tolerance_of(problem_), is_coarse_ ? kSearchTolerance : 0.0);
+}
+
 /// The same fit meets these averages again.
 void Model::evaluate_exactly(std::span<const double> numbers, std::span<double> values) {
-    lattice_is_used_ = false;
-    control_.cache = cache_;
-    evaluate(numbers, values, {});
-    control_.cache = {};
-    lattice_is_used_ = true;
+    const bool is_first = exact_jobs_.empty();
+    if (is_first) exact_jobs_ = jobs_;
+    const auto exchange = [&, was_coarse = is_coarse_](bool exactly) {
+        std::swap(jobs_, exact_jobs_);
+        is_coarse_ = was_coarse && !exactly;
+        lattice_is_used_ = !exactly;
+        control_.cache = exactly ? cache_ : nullptr;
+    };
+    exchange(true);
+    try {
+        if (is_first) choose_streams(numbers);
+        evaluate(numbers, values, {});
+    } catch (...) {
+        exchange(false);
+        throw;
+    }
+    exchange(false);
 }
 
 void Model::refine_lattice() {
@@ -233,6 +255,8 @@ SolvedJob Model::solve_freely(Job& job, std::span<const double> numbers) {
     const auto solve_at = [&](const std::vector<double>& nm) {
         Job some = job;
         if (job.is_interpolated()) some.set_wavelengths(nm);
+        // What the first wavelengths do not show those between them do not.
+        some.takes_intensity_alone = most.streams > 0 && most.components == 1;
         SolvedJob solved = solve_job(some, request(some, numbers), remembering(), {});
         ++solved_scenes_;
         most.streams = std::max(most.streams, solved.streams);
@@ -240,7 +264,7 @@ SolvedJob Model::solve_freely(Job& job, std::span<const double> numbers) {
         return std::move(solved.values);
     };
     if (job.is_interpolated()) {
-        job.set_wavelengths(chosen_wavelengths(job, tolerance_of(problem_), solve_at));
+        job.set_wavelengths(chosen_wavelengths(job, tolerance(), solve_at));
     } else {
         solve_at({});
     }

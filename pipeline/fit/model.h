@@ -21,6 +21,10 @@ class SizeLattice;
 
 namespace miebrdf::fitting {
 
+/// Searches among sizes go by values, and derivatives, as good as this: the last steps correct what
+/// it changes (polish.h).
+inline constexpr double kSearchTolerance = 1e-2;
+
 class Model {
   public:
     /// @param problem  checked (check_problem); must outlive the model
@@ -43,7 +47,11 @@ class Model {
     bool uses_lattice() const { return lattice_is_used_; }
     /// No unknown changes spheres: solutions take no Mie theory but that of the first.
     bool is_analytic() const { return is_analytic_; }
-    /// Values with averages of their own in place of the lattice's. @pre uses_lattice
+    /// Solves scenes to no less than kSearchTolerance from now on, or as the problem asks.
+    void search_coarsely(bool is_coarse) { is_coarse_ = is_coarse; }
+    bool is_coarse() const { return is_coarse_; }
+    /// Values as the problem asks for them, with averages of their own in place of the lattice's;
+    /// nodes and wavelengths are chosen at the first call. @pre uses_lattice
     void evaluate_exactly(std::span<const double> numbers, std::span<double> values);
     /// Uses a finer lattice from now on; where this one is the finest, none.
     void refine_lattice();
@@ -71,6 +79,7 @@ class Model {
     void with_lattice_or_without(const Solve& solve);
     void evaluate_as_set(std::span<const double> numbers, std::span<double> values,
                          std::span<double> derivatives);
+    double tolerance() const;
     const Control& remembering();
     Request request(const Job& job, std::span<const double> numbers,
                     const std::vector<std::string>& names = {}) const;
@@ -88,13 +97,14 @@ class Model {
     Control control_;
     std::shared_ptr<ResultCache> cache_;  ///< for the lattice alone
     std::vector<double> wavelength_nm_;
+    std::vector<double> spectrum_nm_;  ///< that interpolated jobs may solve: one for all of them
     std::vector<Slot> slots_;
-    std::vector<Job> jobs_;
+    std::vector<Job> jobs_, exact_jobs_;  ///< the latter empty before evaluate_exactly()
     std::size_t values_ = 0;
     std::set<std::string> by_differences_;  ///< unknowns without closed forms
     std::set<std::string> sizes_;           ///< unknowns that have them in a lattice alone
     std::shared_ptr<const SizeLattice> lattice_, finer_lattice_;
-    bool lattice_is_used_ = false, is_analytic_ = true;
+    bool lattice_is_used_ = false, is_analytic_ = true, is_coarse_ = false;
     int solved_scenes_ = 0;
 };
 

@@ -1,10 +1,11 @@
 #include "pipeline/fit/spectra.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
+
+#include "pipeline/solve/sampled_line.h"
 
 namespace miebrdf::fitting {
 namespace {
@@ -28,46 +29,6 @@ constexpr double kGainOfHalving = 8.0;
 
 /// Errors are relative to a value, and to no less than this share of the spectrum's largest.
 constexpr double kFaint = 0.01;
-
-/// The four neighbours of a wavelength that lie closest together, and their Lagrange polynomials.
-struct Stencil {
-    std::size_t first = 0, count = 0;
-    std::array<double, 4> weight = {}, slope = {};
-};
-
-Stencil stencil_at(std::span<const double> nm, double x) {
-    Stencil s;
-    s.count = std::min<std::size_t>(4, nm.size());
-    const auto above = std::size_t(std::upper_bound(nm.begin(), nm.end(), x) - nm.begin());
-    double least = INFINITY;
-    for (std::size_t back = 1; back < std::max<std::size_t>(s.count, 2); ++back) {
-        const std::size_t first = std::min(above > back ? above - back : 0, nm.size() - s.count);
-        const double span = nm[first + s.count - 1] - nm[first];
-        // Of windows as wide as each other that in whose middle x lies.
-        const double off = std::abs(nm[first] + nm[first + s.count - 1] - 2.0 * x);
-        if (span + 1e-3 * off < least) {
-            least = span + 1e-3 * off;
-            s.first = first;
-        }
-    }
-    for (std::size_t i = 0; i < s.count; ++i) {
-        double product = 1.0, sum = 0.0;
-        for (std::size_t j = 0; j < s.count; ++j) {
-            if (j == i) continue;
-            const double distance = nm[s.first + i] - nm[s.first + j];
-            double others = 1.0 / distance;
-            for (std::size_t k = 0; k < s.count; ++k) {
-                if (k != i && k != j)
-                    others *= (x - nm[s.first + k]) / (nm[s.first + i] - nm[s.first + k]);
-            }
-            product *= (x - nm[s.first + j]) / distance;
-            sum += others;
-        }
-        s.weight[i] = product;
-        s.slope[i] = sum;
-    }
-    return s;
-}
 
 double reach_of(const Job::Reading& reading) {
     const double shift = reading.shift ? kLargestShiftNm : std::abs(reading.shift_nm);
@@ -117,7 +78,7 @@ std::vector<SolvedShare> parts_of(const Job& job, const Job::Reading& reading, d
         const double weight = std::exp(-4.0 * std::numbers::ln2 * off * off);
         const double nm =
             reading.wavelength_nm + reading.shift_nm + shift_nm + off * reading.band_width_nm;
-        const Stencil s = stencil_at(job.wavelength_nm, nm);
+        const CubicStencil s = cubic_at(job.wavelength_nm, nm);
         for (std::size_t i = 0; i < s.count; ++i)
             parts.push_back({begin + s.first + i, weight * s.weight[i], weight * s.slope[i]});
         sum += weight;
@@ -157,58 +118,45 @@ void interpolate_spectra(Job& job) {
 
 std::vector<double> chosen_wavelengths(const Job& job, double relative_error,
                                        const SolveAt& solve) {
-    struct At {
-        double nm;
-        std::vector<double> values;  ///< of the spectra
-        bool is_open = true;         ///< whether to look halfway to the next
+    using Values = std::vector<double>;  // of the spectra
+    std::vector<double> largest(job.spectra.size());
+    const auto wavelengths = [&](const std::vector<std::size_t>& places) {
+        std::vector<double> nm;
+        for (const std::size_t place : places) nm.push_back(job.finest_nm[place]);
+        return nm;
     };
-    std::vector<At> all;
-    const auto solved_at = [&](const std::vector<double>& nm) {
-        const std::vector<double> values = solve(nm);
-        std::vector<At> solved;
-        for (std::size_t w = 0; w < nm.size(); ++w) {
-            At at{nm[w], {}};
-            for (std::size_t s = 0; s < job.spectra.size(); ++s)
-                at.values.push_back(values[s * nm.size() + w]);
-            solved.push_back(std::move(at));
+    const auto solve_at = [&](const std::vector<std::size_t>& places) {
+        const std::vector<double> values = solve(wavelengths(places));
+        std::vector<Values> solved(places.size());
+        for (std::size_t s = 0; s < largest.size(); ++s) {
+            for (std::size_t w = 0; w < places.size(); ++w) {
+                solved[w].push_back(values[s * places.size() + w]);
+                largest[s] = std::max(largest[s], std::abs(solved[w].back()));
+            }
         }
         return solved;
     };
-    all = solved_at(job.wavelength_nm);
-    std::vector<double> largest(job.spectra.size());
-    while (true) {
-        std::vector<double> known, halfway;
-        std::vector<std::size_t> behind;
-        for (const At& at : all) known.push_back(at.nm);
-        for (std::size_t i = 0; i + 1 < all.size(); ++i) {
-            const auto begin =
-                           std::upper_bound(job.finest_nm.begin(), job.finest_nm.end(), known[i]),
-                       end = std::lower_bound(begin, job.finest_nm.end(), known[i + 1]);
-            if (!all[i].is_open || begin == end) continue;
-            halfway.push_back(*(begin + (end - begin) / 2));
-            behind.push_back(i);
-        }
-        if (halfway.empty()) return known;
-        std::vector<At> fresh = solved_at(halfway);
+    const auto misfit = [&](const CubicStencil& stencil, std::span<const std::size_t>,
+                            std::span<const Values> around, std::size_t, const Values& solved) {
+        double largest_off = 0.0;
         for (std::size_t s = 0; s < largest.size(); ++s) {
-            for (const At& at : all) largest[s] = std::max(largest[s], std::abs(at.values[s]));
+            double expected = 0.0;
+            for (std::size_t i = 0; i < stencil.count; ++i)
+                expected += stencil.weight[i] * around[i][s];
+            const double off = std::abs(expected - solved[s]);
+            if (off == 0.0) continue;
+            largest_off =
+                std::max(largest_off, off / std::max(std::abs(solved[s]), kFaint * largest[s]));
         }
-        for (std::size_t k = 0; k < fresh.size(); ++k) {
-            const Stencil stencil = stencil_at(known, fresh[k].nm);
-            bool is_good = true;
-            for (std::size_t s = 0; s < largest.size(); ++s) {
-                double expected = 0.0;
-                for (std::size_t i = 0; i < stencil.count; ++i)
-                    expected += stencil.weight[i] * all[stencil.first + i].values[s];
-                const double scale = std::max(std::abs(fresh[k].values[s]), kFaint * largest[s]);
-                is_good = is_good && std::abs(expected - fresh[k].values[s]) <=
-                                         kGainOfHalving * relative_error * scale;
-            }
-            fresh[k].is_open = all[behind[k]].is_open = !is_good;
-        }
-        all.insert(all.end(), fresh.begin(), fresh.end());
-        std::sort(all.begin(), all.end(), [](const At& a, const At& b) { return a.nm < b.nm; });
-    }
+        return largest_off / (kGainOfHalving * relative_error);
+    };
+    std::vector<std::size_t> first;
+    for (const double nm : job.wavelength_nm)
+        first.push_back(
+            std::size_t(std::lower_bound(job.finest_nm.begin(), job.finest_nm.end(), nm) -
+                        job.finest_nm.begin()));
+    return wavelengths(
+        sample_line<Values>(job.finest_nm, std::move(first), solve_at, misfit).places);
 }
 
 }  // namespace miebrdf::fitting

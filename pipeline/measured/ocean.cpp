@@ -47,6 +47,13 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
             if (content.starts_with(kPixels))
                 pixels = materials::parse_number(
                     materials::without_blanks(content.substr(kPixels.size())));
+            constexpr std::string_view kAxis = "XAxis mode:";
+            if (content.starts_with(kAxis)) {
+                const std::string axis =
+                    materials::as_utf8(materials::without_blanks(content.substr(kAxis.size())));
+                if (!materials::lower_case(axis).starts_with("wavelength"))
+                    refuse(file, line, fmt::format("its axis is '{}'; allowed: Wavelengths", axis));
+            }
             in_data = is_begin(content);
             if (!in_data) continue;
             if (options.quantity.empty() && !said) {

@@ -20,7 +20,7 @@ bool looks_like_openmaterial(const MeasuredFile& file) {
 }
 
 Measurements read_openmaterial(const MeasuredFile& file, const MeasuredOptions& options) {
-    constexpr double kNmPerM = 1e9, kDegrees = 180.0 / std::numbers::pi;
+    constexpr double kNmPerM = 1e9, kLongest = 1e-3 * kNmPerM, kDegrees = 180.0 / std::numbers::pi;
     materials::ReadingBudget::require_values(
         std::size_t(std::count(file.content.begin(), file.content.end(), ',')), file.path);
     Measurements list;
@@ -41,6 +41,11 @@ Measurements read_openmaterial(const MeasuredFile& file, const MeasuredOptions& 
             value.quantity = MeasuredQuantity::brdf;
             value.geometry = MeasuredGeometry::directions;
             value.wavelength_nm = kNmPerM * number(0);
+            if (value.wavelength_nm > kLongest)
+                refuse(file, 0,
+                       fmt::format("row {} of lookupTable: a wavelength of {} m; allowed: up to "
+                                   "1e-3. The format has metres, not nm or um",
+                                   raw.size() + 1, number(0)));
             value.value = number(4);
             RawDirection direction;
             direction.theta_in = kDegrees * number(1);

@@ -21,7 +21,7 @@ Measurements read_svc(const MeasuredFile& file, const MeasuredOptions& options) 
     std::vector<int> lines;
     std::string name = "spectrum";
     bool in_data = false, ratio = false;
-    double factor = 1.0;
+    std::optional<double> factor;  // of a column of reflectances
     int line = 0;
     for (const std::string_view text : materials::split_lines(file.content)) {
         ++line;
@@ -33,7 +33,6 @@ Measurements read_svc(const MeasuredFile& file, const MeasuredOptions& options) 
             const std::string value = materials::as_utf8(
                 materials::without_blanks(content.substr(std::min(mark + 1, content.size()))));
             in_data = key == "data";
-            if (in_data) factor = share_factor(list, options, true, "as all .sig files");
             if (key == "name" && !value.empty()) name = value;
             if (key == "units" || key == "instrument" || key == "factors" || key == "comm")
                 list.facts.emplace_back(key, value);
@@ -52,8 +51,9 @@ Measurements read_svc(const MeasuredFile& file, const MeasuredOptions& options) 
                                numbers.size()));
         }
         ratio = numbers.size() == 3;
+        if (!ratio && !factor) factor = share_factor(list, options, true, "as all .sig files");
         nm.push_back(numbers[0]);
-        values.push_back(!ratio             ? numbers[3] * factor
+        values.push_back(!ratio             ? numbers[3] * *factor
                          : numbers[1] > 0.0 ? numbers[2] / numbers[1]
                                             : MeasuredValue::kNone);
         lines.push_back(line);

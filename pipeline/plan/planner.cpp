@@ -12,6 +12,7 @@
 #include "pipeline/solve/brdf_state.h"
 #include "pipeline/solve/polarisation.h"
 #include "pipeline/solve/rules.h"
+#include "pipeline/solve/sampled_spectrum.h"
 #include "pipeline/solve/scene_optics.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/hidden_layers.h"
@@ -231,7 +232,7 @@ void Planner::single_scattering() {
     struct Work {
         const ResolvedSpecies* species = nullptr;
         std::size_t jobs = 0;
-        double seconds = 0.0;
+        double seconds = 0.0, share = 1.0;
     };
     std::map<std::string, Work> work;
     bool mixes = false;
@@ -245,6 +246,7 @@ void Planner::single_scattering() {
         }
         mixes = mixes || medium.species.size() > 1;
         for (const ResolvedSpecies& species : medium.species) {
+            const double share = demand_.whole_phase_function ? 1.0 : computed_share(species);
             for (const LayerJob& job : jobs_) {
                 const OpticsDemand demand = demand_at(job.wavelength);
                 const std::string hash = optics_hash(species, job.wavelength, demand);
@@ -253,7 +255,7 @@ void Planner::single_scattering() {
                     demand.polarisation
                         ? matrix_seconds(species, job.wavelength, demand) +
                               mie_cost(species, job.wavelength, false)
-                        : mie_cost(species, job.wavelength, demand.whole_phase_function);
+                        : share * mie_cost(species, job.wavelength, demand.whole_phase_function);
                 if (!earlier_.optics.insert(hash).second) {
                     ++repeated;
                     repeated_s += cost;
@@ -263,6 +265,7 @@ void Planner::single_scattering() {
                 } else {
                     Work& of = work[describe(species.species)];
                     of.species = &species;
+                    of.share = share;
                     ++of.jobs;
                     of.seconds += cost;
                 }
@@ -273,13 +276,17 @@ void Planner::single_scattering() {
     for (const auto& [name, of] : work) {
         plan_.steps.push_back(
             {"single scattering",
-             fmt::format("{} for {}, tolerance {:g}{}{}",
+             fmt::format("{} for {}, tolerance {:g}{}{}{}",
                          of.species->species.shape.by_t_matrix ? "T-matrix" : "Mie theory", name,
                          demand_.tolerance,
                          demand_.whole_phase_function ? ", every angle" : ", moments only",
                          of.species->particles.front().coatings.empty()
                              ? ""
-                             : "; coated spheres one size after the other, never by rays"),
+                             : "; coated spheres one size after the other, never by rays",
+                         of.share < 1.0 ? fmt::format("; at about {:.0f} of the wavelengths, cubic "
+                                                      "between them",
+                                                      of.share * double(of.jobs))
+                                        : ""),
              of.jobs, of.seconds});
         computed.push_back(of.species);
     }

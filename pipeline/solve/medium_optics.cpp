@@ -1,12 +1,14 @@
 // Media: their species, each different one computed once, and what they are together.
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "pipeline/solve/grain_shape.h"
 #include "pipeline/solve/packing.h"
 #include "pipeline/solve/parallel.h"
+#include "pipeline/solve/sampled_spectrum.h"
 #include "pipeline/solve/single_scattering.h"
 #include "pipeline/solve/size_lattice.h"
 
@@ -41,6 +43,13 @@ class JobList {
     std::vector<MediumOptics> compute(const OpticsDemand& of_all, const Control& control) const {
         std::vector<MediumOptics> done(jobs_.size());
         const mie::Executor pieces = pieces_of_job(control);
+        // All threads sample one spectrum after the other.
+        std::set<const ResolvedSpecies*> sampled;
+        for (const auto [species, w] : jobs_) {
+            const OpticsDemand demand = crowd_demand(*species, of_all);
+            if (is_sampled(control, *species, demand) && sampled.insert(species).second)
+                species_optics(control, *species, w, demand, pieces);
+        }
         run_parallel("single scattering", jobs_.size(), control, [&](std::size_t j) {
             const auto [species, w] = jobs_[j];
             const OpticsDemand demand = crowd_demand(*species, of_all);

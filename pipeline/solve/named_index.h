@@ -47,6 +47,9 @@ class NamedIndexMemo {
 
     /// False where nobody reads notes, as in fits: that of crowded layers takes up to 0.1 s.
     bool tells_crowding = true;
+    /// Wavelengths that spectra are sampled over, of scenes that are solved at some of them in
+    /// turn; empty: each scene's own. Set before the memo is used.
+    std::vector<double> spectrum_nm = {};
 
   private:
     mutable std::mutex mutex_;

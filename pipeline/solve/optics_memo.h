@@ -60,6 +60,7 @@ class OpticsMemo {
     const std::shared_ptr<rte::RoughBoundaries>& rough_boundaries() const {
         return rough_boundaries_;
     }
+    std::mutex& sampling() { return sampling_; }  ///< of whoever samples a spectrum
     OpticsStore* shared() const { return shared_.get(); }
 
     /// Whether spheres a little different, for derivatives, are kept too: scenes of one run ask for
@@ -75,6 +76,7 @@ class OpticsMemo {
 
   private:
     mutable std::mutex mutex_;
+    std::mutex sampling_;
     std::map<std::string, std::shared_ptr<const MediumOptics>> known_;
     std::map<std::string, std::vector<double>> numbers_;
     std::size_t free_bytes_;

@@ -70,6 +70,24 @@ SizeSpan polarising_sizes(const ResolvedScene& scene, std::size_t w) {
     return span;
 }
 
+/// Small spheres mostly polarise. Whether there is a medium of which they are most, by projected
+/// area: a little soot does not show beside grains of ice.
+bool is_of_small_spheres(const ResolvedScene& scene, std::size_t w) {
+    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
+        double small = 0.0, all = 0.0;
+        for (const ResolvedSpecies& species : scene.media[m].species) {
+            if (!polarises(species, w)) continue;
+            const bool is_sphere = species.needs_mie();
+            const double area =
+                is_sphere ? species.volume_fraction / species.effective_radius_um : 1.0;
+            all += area;
+            if (!is_sphere || size_parameter(species, w) < kLargeEnough) small += area;
+        }
+        if (small > 0.5 * all) return true;
+    }
+    return false;
+}
+
 double allowed_change(const LayerRequest& request, std::size_t w) {
     const double finest = polarising_sizes(request.scene, w).finest,
                  tolerance = request.solver.tolerance;
@@ -295,8 +313,7 @@ LightChoice choose_light(const LayerRequest& request, std::size_t w) {
     if (cannot_be_compared(request))
         return {.left_out = kNotCompared,
                 .reason = why_no_polarisation(request.scene, request.solver)};
-    // What is expected: small spheres mostly polarise.
-    return {.components = finest >= kLargeEnough ? 1 : 3,
+    return {.components = is_of_small_spheres(request.scene, w) ? 3 : 1,
             .reason = "scattering matrices of few sizes tell whether it shows",
             .needs_comparison = true};
 }

@@ -33,6 +33,13 @@ inline auto fields(const Particles& value) {
     return std::tie(wavelength_nm, index, host_index, coatings);
 }
 
+/// Spheres of one kind at many wavelengths, ascending, between which their optics are sampled
+/// (sampled_spectrum.h).
+struct ParticleSpectrum {
+    std::vector<Particles> particles;
+    std::string hash;  ///< of them
+};
+
 /// Spheres that crowd the others of their medium.
 struct CrowdMember {
     double volume_fraction = 0.0;                             ///< of the layer
@@ -57,6 +64,7 @@ struct ResolvedSpecies {
     std::optional<double> density_g_cm3 = {};
     bool crowded = false;                 ///< Packing::percus_yevick
     std::vector<CrowdMember> crowd = {};  ///< all spheres of the medium, these among them
+    std::shared_ptr<const ParticleSpectrum> spectrum = {};  ///< null: each wavelength by itself
     /// Names what its optics depend on, at every wavelength: species of the same key are the same.
     std::vector<std::string> key = {};
 

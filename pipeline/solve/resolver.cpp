@@ -15,6 +15,7 @@
 #include "pipeline/solve/amounts.h"
 #include "pipeline/solve/coated.h"
 #include "pipeline/solve/grain_shape.h"
+#include "pipeline/solve/sampled_spectrum.h"
 
 namespace miebrdf {
 namespace {
@@ -127,12 +128,14 @@ std::string species_key(const ResolvedSpecies& resolved, std::size_t w) {
     // Crowding, and how much of it there is, belong to the mixture.
     const auto& [species, particles, given, wavelength_nm, size_distribution, effective_radius_um,
                  outer_radius_um, volume_per_core, volume_fraction, of_density, crowded, crowd,
-                 known_key] = resolved;
+                 spectrum, known_key] = resolved;
     const auto& [kind, name, parameters, chi, table_nm, matrices, index, scattering, sizes,
                  coatings, shape, phase, density_g_cm3, layer_density, amount] = species;
     JobKey key("species");
-    if (!particles.empty())
-        return key.add(particles[w]).add(size_distribution).add(shape).add(phase).hash();
+    if (!particles.empty()) {
+        key.add(particles[w]).add(size_distribution).add(shape).add(phase);
+        return spectrum ? key.add(spectrum->hash).hash() : key.hash();
+    }
     key.add(kind).add(parameters).add(chi);
     const bool has_extinction = resolved.has_extinction();
     if (has_extinction || !matrices.empty()) {
@@ -155,6 +158,7 @@ Resolver::Resolver(const Scene& scene, double example_wavelength_nm, NamedIndexM
     : scene_(scene),
       example_wavelength_nm_(example_wavelength_nm),
       tells_crowding_(memo == nullptr || memo->tells_crowding),
+      spectrum_nm_(memo == nullptr ? std::vector<double>() : memo->spectrum_nm),
       materials_(scene.database, scene.index, memo) {
     if (shift != nullptr) materials_.shift = *shift;
 }
@@ -165,8 +169,11 @@ ResolvedMedium Resolver::medium(const Medium& medium, const std::vector<double>&
     const bool by_extinction = has_extinction(medium.species.front());
     const bool needs_host = by_extinction || scene_.boundary || has_mirror(scene_);
     const HostAt host = needs_host ? look_up(host_of(scene_, medium), wavelength_nm) : HostAt{};
+    const HostAt spectrum_host = needs_host && !spectrum_nm_.empty()
+                                     ? look_up(host_of(scene_, medium), spectrum_nm_)
+                                     : HostAt{};
     for (const Species& species : medium.species)
-        resolved.species.push_back(this->species(species, wavelength_nm, host));
+        resolved.species.push_back(this->species(species, wavelength_nm, host, spectrum_host));
     set_amounts(resolved, layer_density_kg_m3(scene_, medium), host.density_g_cm3);
     const bool is_host_alone = has_no_particles(medium);
     if (is_host_alone) resolved.species = {no_particles(wavelength_nm)};
@@ -255,14 +262,21 @@ Resolver::HostAt Resolver::look_up(const Host& host, const std::vector<double>& 
     return at;
 }
 
+std::vector<Particles> Resolver::particles(const ResolvedIndex& index,
+                                           const std::vector<double>& wavelength_nm,
+                                           const HostAt& host) {
+    std::vector<Particles> all;
+    for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
+        all.push_back({wavelength_nm[w], index.index[w], host.index[w].real()});
+    return all;
+}
+
 ResolvedSpecies Resolver::species(const Species& species, const std::vector<double>& wavelength_nm,
-                                  const HostAt& host) {
+                                  const HostAt& host, const HostAt& spectrum_host) {
     ResolvedSpecies resolved{.species = species, .wavelength_nm = wavelength_nm};
     if (needs_mie(species)) {
         ResolvedIndex index = this->index(species, wavelength_nm);
-        for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
-            resolved.particles.push_back({wavelength_nm[w], index.index[w], host.index[w].real()});
-        }
+        resolved.particles = particles(index, wavelength_nm, host);
         resolved.sizes = sizes_of(species, scene_.particles);
         if (species.sizes.specific_surface_m2_per_kg)
             resolved.sizes.effective_radius_um = radius_of_surface_um(species, index.density_g_cm3);
@@ -270,9 +284,18 @@ ResolvedSpecies Resolver::species(const Species& species, const std::vector<doub
         resolved.density_g_cm3 = index.density_g_cm3;
         add_source(std::move(index.source));
         if (!index.caveat.empty()) add_note(std::move(index.caveat));
+        ResolvedSpecies spectrum = resolved;
         add_coatings(resolved, coatings(species, wavelength_nm));
         require_contrast(resolved);
         require_grains(resolved);
+        if (can_be_sampled(resolved)) {
+            if (!spectrum_nm_.empty()) {
+                spectrum.particles =
+                    particles(this->index(species, spectrum_nm_), spectrum_nm_, spectrum_host);
+                add_coatings(spectrum, coatings(species, spectrum_nm_));
+            }
+            resolved.spectrum = spectrum_of(spectrum_nm_.empty() ? resolved : spectrum);
+        }
     } else {
         add_source(describe(species));
         resolved.given = kind_of(species).given(species);

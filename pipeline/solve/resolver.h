@@ -49,8 +49,12 @@ class Resolver {
 
     static void add_once(std::vector<std::string>& lines, std::string line);
     HostAt look_up(const Host& host, const std::vector<double>& wavelength_nm);
+    static std::vector<Particles> particles(const ResolvedIndex& index,
+                                            const std::vector<double>& wavelength_nm,
+                                            const HostAt& host);
+    /// @param spectrum_host  the host at spectrum_nm_
     ResolvedSpecies species(const Species& species, const std::vector<double>& wavelength_nm,
-                            const HostAt& host);
+                            const HostAt& host, const HostAt& spectrum_host);
     std::vector<ResolvedIndex> coatings(const Species& species,
                                         const std::vector<double>& wavelength_nm);
     /// The host between the particles absorbs as a species of albedo 0 would (Mie theory itself
@@ -75,6 +79,7 @@ class Resolver {
     const Scene& scene_;
     double example_wavelength_nm_;
     bool tells_crowding_;
+    std::vector<double> spectrum_nm_;  ///< empty: those of the scene
     Materials materials_;
     std::vector<std::string> sources_, notes_;
 };

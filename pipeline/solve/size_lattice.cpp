@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "pipeline/solve/grain_shape.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/resolver.h"
+#include "pipeline/solve/sampled_spectrum.h"
+#include "pipeline/solve/weighted_optics.h"
 
 namespace miebrdf {
 namespace {
@@ -57,80 +58,14 @@ void cut_moments(rte::Optics& optics, const OpticsDemand& demand) {
     optics.has_more_moments = true;
 }
 
-struct Node {
-    MediumOptics optics;
-    double weight;
-};
-
-template <typename Number>
-double sum_of(const std::vector<Node>& nodes, const Number& number) {
-    double sum = 0.0;
-    for (const Node& node : nodes) sum += node.weight * number(node.optics);
-    return sum;
-}
-
-/// exp of the sum of logarithms; the sum itself where a number is not positive.
-template <typename Number>
-double product_of(const std::vector<Node>& nodes, const Number& number) {
-    const bool all_positive = std::all_of(
-        nodes.begin(), nodes.end(), [&](const Node& node) { return number(node.optics) > 0.0; });
-    if (!all_positive) return sum_of(nodes, number);
-    return std::exp(sum_of(nodes, [&](const MediumOptics& o) { return std::log(number(o)); }));
-}
-
-/// Number by number; shorter lists go on with zeros.
-template <typename List>
-std::vector<double> sum_of_lists(const std::vector<Node>& nodes, const List& list) {
-    std::vector<double> sum;
-    for (const Node& node : nodes) {
-        const std::vector<double>& numbers = list(node.optics);
-        sum.resize(std::max(sum.size(), numbers.size()), 0.0);
-        for (std::size_t k = 0; k < numbers.size(); ++k) sum[k] += node.weight * numbers[k];
-    }
-    return sum;
-}
-
-MediumOptics between(const std::vector<Node>& nodes) {
-    MediumOptics result;
-    rte::Optics& o = result.optics;
-    o.one_minus_albedo = std::clamp(
-        product_of(nodes, [](const MediumOptics& m) { return m.optics.one_minus_albedo; }), 0.0,
-        1.0);
-    o.single_scattering_albedo = 1.0 - o.one_minus_albedo;
-    o.chi = sum_of_lists(
-        nodes, [](const MediumOptics& m) -> auto& { return m.optics.chi; });
-    for (double& chi : o.chi) chi = std::clamp(chi, -1.0, 1.0);
-    if (!o.chi.empty()) o.chi.front() = 1.0;
-    result.phase = sum_of_lists(
-        nodes, [](const MediumOptics& m) -> auto& { return m.phase; });
-    result.phase_error = sum_of_lists(
-        nodes, [](const MediumOptics& m) -> auto& { return m.phase_error; });
-    result.asymmetry = sum_of(nodes, [](const MediumOptics& m) { return m.asymmetry; });
-    result.q_ext = product_of(nodes, [](const MediumOptics& m) { return m.q_ext.value_or(0.0); });
-    std::vector<std::pair<double, std::function<double(double)>>> phases;
-    for (const Node& node : nodes) {
-        o.has_more_moments = o.has_more_moments || node.optics.optics.has_more_moments;
-        result.error_estimate = std::max(result.error_estimate, node.optics.error_estimate);
-        result.converged = result.converged && node.optics.converged;
-        if (node.optics.optics.phase) phases.emplace_back(node.weight, node.optics.optics.phase);
-    }
-    if (phases.size() == nodes.size()) {
-        o.phase = [phases = std::move(phases)](double cos_theta) {
-            double sum = 0.0;
-            for (const auto& [weight, phase] : phases) sum += weight * phase(cos_theta);
-            return std::max(sum, 0.0);
-        };
-    }
-    return result;
-}
-
 /// The species at one wavelength, of other sizes.
 ResolvedSpecies resized(const ResolvedSpecies& species, std::size_t w, double radius_um,
                         double variance) {
     ResolvedSpecies node{.species = species.species,
                          .particles = {species.particles[w]},
                          .wavelength_nm = {species.wavelength_nm[w]},
-                         .sizes = species.sizes};
+                         .sizes = species.sizes,
+                         .spectrum = species.spectrum};
     node.sizes.effective_radius_um = node.effective_radius_um = radius_um;
     node.sizes.effective_variance = variance;
     node.key = {species_key(node, 0)};
@@ -138,6 +73,11 @@ ResolvedSpecies resized(const ResolvedSpecies& species, std::size_t w, double ra
 }
 
 }  // namespace
+
+bool has_width(const mie::SizeDistribution& sizes) {
+    return mie::has_variance(sizes.kind) && sizes.effective_variance >= kLeastVariance &&
+           sizes.effective_variance <= kMostVariance;
+}
 
 SizeLattice::SizeLattice(double radius_step, std::vector<mie::SizeDistribution> fixed,
                          bool with_variance, std::shared_ptr<ResultCache> cache)
@@ -159,9 +99,7 @@ std::shared_ptr<ResultCache> SizeLattice::cache_of(const ResolvedSpecies& specie
 bool SizeLattice::covers(const ResolvedSpecies& species, const OpticsDemand& demand) const {
     if (!species.needs_mie() || has_smooth_phase(species.species) || demand.polarisation)
         return false;
-    const mie::SizeDistribution& sizes = species.sizes;
-    return mie::has_variance(sizes.kind) && sizes.effective_variance >= kLeastVariance &&
-           sizes.effective_variance <= kMostVariance && !is_fixed(sizes);
+    return has_width(species.sizes) && !is_fixed(species.sizes);
 }
 
 MediumOptics SizeLattice::optics(const ResolvedSpecies& species, std::size_t w,
@@ -173,7 +111,7 @@ MediumOptics SizeLattice::optics(const ResolvedSpecies& species, std::size_t w,
     const mie::SizeDistribution& sizes = species.sizes;
     Stencil variances = stencil_at(std::log(sizes.effective_variance), kVarianceStep);
     const std::size_t count = with_variance_ ? variances.at.size() : 1;
-    std::vector<Node> nodes;
+    std::vector<WeightedOptics> nodes;
     for (std::size_t v = 0; v < count; ++v) {
         const double variance =
             with_variance_ ? std::exp(variances.at[v]) : sizes.effective_variance;
@@ -183,12 +121,10 @@ MediumOptics SizeLattice::optics(const ResolvedSpecies& species, std::size_t w,
         for (std::size_t r = 0; r < radii.at.size(); ++r) {
             const ResolvedSpecies node = resized(species, w, std::exp(radii.at[r]), variance);
             nodes.push_back(
-                {remembered_optics(remembering, optics_hash(node, 0, of_nodes),
-                                   [&] { return compute_optics(node, 0, of_nodes, run); }),
-                 weight * radii.weight[r]});
+                {averaged_optics(remembering, node, 0, of_nodes, run), weight * radii.weight[r]});
         }
     }
-    MediumOptics result = between(nodes);
+    MediumOptics result = sum_of(nodes);
     cut_moments(result.optics, demand);
     return result;
 }
@@ -214,8 +150,7 @@ MediumOptics species_optics(const Control& control, const ResolvedSpecies& speci
     Control remembering = control;
     if (control.memo != nullptr && control.memo->lattice != nullptr && control.cache == nullptr)
         remembering.cache = control.memo->lattice->cache_of(species);
-    return remembered_optics(remembering, optics_hash(species, w, demand),
-                             [&] { return compute_optics(species, w, demand, run); });
+    return averaged_optics(remembering, species, w, demand, run);
 }
 
 }  // namespace miebrdf

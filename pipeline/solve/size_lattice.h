@@ -12,6 +12,9 @@
 
 namespace miebrdf {
 
+/// Whether sizes have a width, over which averages are smooth.
+bool has_width(const mie::SizeDistribution& sizes);
+
 /// Between four neighbouring radii, and four variances where they vary, optics are Lagrange's
 /// polynomials in ln(radius) and ln(variance): albedos in ln(1 - albedo), efficiencies in their
 /// logarithm, moments and phase functions as they are. Averages over sizes are smooth in both, as

@@ -1,5 +1,6 @@
 // Files of field and laboratory spectrometers, libraries and tables; the layouts are those of
 // public descriptions and files, the numbers are ours.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -24,6 +25,12 @@ TEST_CASE("SVC files have reflectance in percent, or panel and sample", "[measur
     CHECK(values_of(list) == Doubles{0.25, 0.3});
     CHECK(list.values[0].quantity == MeasuredQuantity::reflectance_factor);
     CHECK(values_of(read_text(head + "400 200 50\n401 0 60\n402 200 60\n")) == Doubles{0.25, 0.3});
+    const auto told = [](const Measurements& of, const std::string& fact) {
+        return std::any_of(of.facts.begin(), of.facts.end(),
+                           [&](const auto& one) { return one.first == fact; });
+    };
+    CHECK(told(list, "unit"));
+    CHECK_FALSE(told(read_text(head + "400 200 50\n402 200 60\n"), "unit"));  // no percent
     CHECK_THROWS_WITH(read_text(head + "400 200\n"), Catch::Contains("2 numbers"));
     CHECK_THROWS_WITH(read_text(head), Catch::Contains("data="));
 }
@@ -47,6 +54,13 @@ TEST_CASE("Spectral Evolution and Avantes texts are tables with lines above them
     CHECK(list.samples.size() == 1);  // "Sample [counts]" names none
 }
 
+TEST_CASE("radiances of panel and sample alone are no reflectance, nor are numbers of channels",
+          "[measured][instruments]") {
+    CHECK_THROWS_WITH(read_text("Columns [4]:\nData:\nChan.#\tWavel.\tRad. (Ref.)\tRad. (Target)\n"
+                                "0\t400.0\t2\t1\n1\t401.0\t2\t1.2\n"),
+                      Catch::Contains("numbers of channels"));
+}
+
 TEST_CASE("Ocean Optics texts say what they are in their first line, or are asked",
           "[measured][instruments]") {
     const std::string rest =
@@ -56,6 +70,10 @@ TEST_CASE("Ocean Optics texts say what they are in their first line, or are aske
     const Measurements film = read_text("Data from film_Transmission_1.txt" + rest);
     CHECK(film.values[0].quantity == MeasuredQuantity::transmittance);
     CHECK_THROWS_WITH(read_text("Data from leaf_0001.txt" + rest), Catch::Contains("quantity"));
+    std::string by_number = rest;
+    by_number.replace(by_number.find("Wavelengths"), 11, "Raman Shift");
+    CHECK_THROWS_WITH(read_text("Data from leaf_Reflection_1.txt" + by_number),
+                      Catch::Contains("Raman Shift"));
     CHECK_THROWS_WITH(read_text("Data from sun_Irradiance_1.txt" + rest),
                       Catch::Contains("irradiance"));
     MeasuredOptions options;
@@ -104,6 +122,8 @@ TEST_CASE("OpenMATERIAL tables have metres and radians", "[measured][instruments
     CHECK(list.values[0].azimuth_deg == Approx(0).margin(1e-9));
     CHECK(list.values[0].value == 0.2);
     CHECK_THROWS_WITH(read_text("{\"brdf\":{\"lookupTable\":[[1,2]]}}"), Catch::Contains("5"));
+    CHECK_THROWS_WITH(read_text("{\"brdf\":{\"lookupTable\":[[905,0.5,0.5,0,0.2]]}}"),
+                      Catch::Contains("905 m"));
 }
 
 TEST_CASE("custom spectra of CxF are what they say", "[measured][instruments]") {

@@ -36,6 +36,10 @@ void show_ensemble() {
             .front();
     std::cout << "dg/d ln r = " << by_radius.asymmetry / 0.002 << '\n';
 
+    std::cout << "a thousandth more radius changes it by "
+              << difference_between(average_over_sizes(request), average_over_sizes(larger))
+              << '\n';
+
     request.coatings = {ParticleCoating{.refractive_index = 1.46, .thickness_um = 0.01}};
     std::cout << "under silica: Q_ext " << average_over_sizes(request).q_ext << '\n';
 }

@@ -161,6 +161,11 @@ void require_average(const EnsembleRequest& request);
 /// Likewise of average_matrix.
 void require_matrix(const EnsembleRequest& request);
 
+/// How far two averages are apart as error_estimate counts it: the largest change of q_ext, albedo
+/// (relative), g (as 1 - g), ln(1 - albedo) (by what it changes of a half-space) and moments.
+/// Moments that one of them lacks count as 0 there.
+double difference_between(const EnsembleOptics& a, const EnsembleOptics& b);
+
 /// P at single angles.
 struct PhaseValues {
     std::vector<double> phase;  ///< mean over the sphere = 1

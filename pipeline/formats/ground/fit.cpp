@@ -82,6 +82,9 @@ class GroundSearch {
             search.low.push_back(ground.model().parameters[p].low);
             search.high.push_back(ground.model().parameters[p].high);
         }
+        // A surge as wide as the hemisphere is a factor: what lies beyond says nothing.
+        constexpr std::size_t width_of_surge = 4;
+        if (ground.kind == Kind::hapke) search.high[width_of_surge] = 1.0;
         std::vector<double> numbers(ground.values.begin(),
                                     ground.values.begin() + std::ptrdiff_t(unknowns_));
         for (std::size_t p = 0; p < unknowns_; ++p)
