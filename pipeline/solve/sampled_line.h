@@ -11,8 +11,9 @@
 
 namespace miebrdf {
 
-/// The four places of a line that lie closest together around one, and Lagrange's polynomials there
-/// with their slopes. Lines of fewer places have polynomials of a lower degree.
+/// Four neighbouring places of a line around one, and Lagrange's polynomials there with their
+/// slopes: those whose weights have the least magnitudes, with which errors of values come through.
+/// Lines of fewer places have polynomials of a lower degree.
 struct CubicStencil {
     std::size_t first = 0, count = 0;
     std::array<double, 4> weight = {}, slope = {};
