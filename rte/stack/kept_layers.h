@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "rte/half_space/half_space.h"
+#include "rte/layer/layer.h"
 
 namespace miebrdf::rte {
 

@@ -140,7 +140,7 @@ const Studio = (() => {
         const held = /^([0-9.eE+-]+)(.*)$/.exec(layer.depth);
         depthSlider.replaceChildren();
         if (!held || !(Number(held[1]) > 0)) return;
-        slider(depthSlider, { label: held[2] && !held[2].startsWith('[') ? 'Thickness' : 'Optical depth', unit: held[2].replace(/^\[.*/, ''), min: Number(held[1]) / 100, max: Number(held[1]) * 100, log: true, value: Number(held[1]) }, (text, done) => {
+        slider(depthSlider, { label: held[2] && !held[2].startsWith('[') ? 'Thickness' : 'Optical depth', unit: held[2].replace(/^\[.*/, '').replace('um', 'µm'), min: Number(held[1]) / 100, max: Number(held[1]) * 100, log: true, value: Number(held[1]) }, (text, done) => {
           layer.depth = text + held[2];
           depth.value = layer.depth;
           changed(done);
