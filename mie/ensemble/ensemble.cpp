@@ -265,9 +265,10 @@ EnsembleOptics average_over_sizes(const EnsembleRequest& request, const Executor
     } else {
         optics = average_over_spheres(request, ensemble, source, pieces);
         // Rays may err by more than is wanted and still by less than all sizes that time allows.
-        const bool has_missed = !optics->converged && source != MomentSource::gauss_angles;
+        const bool may_take_rays = !optics->converged && source != MomentSource::gauss_angles &&
+                                   request.tolerance >= kLeastToleranceOfRays;
         for (double within = 2 * request.tolerance;
-             has_missed && !(optics->error_estimate <= within); within *= 2) {
+             may_take_rays && !(optics->error_estimate <= within); within *= 2) {
             auto by_rays = rays(within);
             if (!by_rays) continue;
             optics = std::move(by_rays);

@@ -22,8 +22,6 @@ struct RayRule {
     static constexpr double kLeastDelay = 10, kLeastIndex = 1.05;
     /// A Gaussian spread of rho would leave exp(-rho^2 v / 2).
     static constexpr double kPerSpread = 7;
-    /// Products are in single precision.
-    static constexpr double kLeastTolerance = 1e-6;
     /// Moments err by up to 1.2 times what sharp ends change the extinction by, more where both
     /// ends happen to cancel there; a quarter of their bound is left at least.
     static constexpr double kPerChange = 3, kLeastOfEnds = 0.25;
@@ -153,7 +151,7 @@ PhaseRayBias phase_ray_bias(const Ensemble& ensemble, bool exact) {
 
 std::optional<EnsembleOptics> average_over_rays(const Ensemble& ensemble, int highest_moment,
                                                 double tolerance, const Executor& run) {
-    if (!(tolerance >= RayRule::kLeastTolerance)) return std::nullopt;
+    if (!(tolerance >= kLeastToleranceOfRays)) return std::nullopt;
     const RayBound bound = ray_bound(ensemble);
     const double k = ensemble.wave_number_per_um;
     const double x = k * effective_radius_of(ensemble.sizes);

@@ -10,6 +10,9 @@
 
 namespace miebrdf::mie {
 
+/// Rays take products in single precision: for no finer tolerance.
+constexpr double kLeastToleranceOfRays = 1e-6;
+
 /// The cost of leaving out the phases between rays, before anything is computed: a bound of the
 /// relative error of extinction and of the absolute ones of moments, found over random ensembles
 /// (docs/maths-mie.md#rays). Infinite where rays are no description: sizes without a density or

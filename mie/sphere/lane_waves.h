@@ -12,6 +12,10 @@
 
 namespace miebrdf::mie {
 
+/// |m - 1| from which small spheres in lanes keep their digits; nearer to the index of the host
+/// mie_coefficients has more care.
+constexpr double kWellOffTheHost = 1e-2;
+
 /// Riccati-Bessel functions of the lanes' size parameters, upward, from n = 0 (radial_functions()
 /// has the care that single spheres get; here psi_n beyond n = x carries an absolute error of
 /// rounding).

@@ -28,9 +28,8 @@ struct OrderSums {
     std::complex<double> back = 0;  ///< sum (2n+1) (-1)^n (a_n - b_n)
 };
 
-constexpr double kEnoughDigits = 1e-12;   // accuracy that is said to be reached
-constexpr double kLeastVectorSize = 2;    // below, mie_coefficients has more care
-constexpr double kWellOffTheHost = 1e-2;  // nearer, too
+constexpr double kEnoughDigits = 1e-12;  // accuracy that is said to be reached
+constexpr double kLeastVectorSize = 2;   // below, mie_coefficients has more care
 
 /// a_n, b_n and what they absorb (Coefficients), real and imaginary parts apart: entry n holds
 /// order n. Zero at 0 and beyond `terms`, up to whole vectors.

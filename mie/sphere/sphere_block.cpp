@@ -219,13 +219,21 @@ void BlockColumns<Scalar>::clear_beyond(int order) const {
 
 /// From this size parameter on waves outside are taken upward. Coefficients then err by rounding,
 /// 2e-16, beside a_1 = 2/3 x^3 (m^2 - 1) / (m^2 + 2): by 1e-12 of themselves at most at m = 1.5.
-constexpr double kLeastVectorSize = 0.1;
+constexpr double kLeastInLanes = 0.1;
+/// The same of spheres that are hardly seen.
+constexpr double kLeastFaintInLanes = 2.0;
+
+bool goes_by_vectors(const Scatterer& scatterer, double smallest_x) {
+    const bool is_faint =
+        scatterer.is_plain() && std::abs(scatterer.relative_index - 1.0) < kWellOffTheHost;
+    return smallest_x >= (is_faint ? kLeastFaintInLanes : kLeastInLanes);
+}
 
 // x: size parameters, ascending.
 template <typename Scalar>
 LaneSums compute_eight(const Scatterer& scatterer, const Lanes& x, const BlockColumns<Scalar>& to) {
     if (to.block) to.clear_beyond(scatterer.terms(x[0]));
-    if (x[0] < kLeastVectorSize) return one_by_one(scatterer, x, to);
+    if (!goes_by_vectors(scatterer, x[0])) return one_by_one(scatterer, x, to);
     if (!scatterer.is_plain()) return layered_by_vectors(scatterer, x, to);
     const Complex m = scatterer.relative_index;
     if (m.imag() == 0) return by_vectors(m.real(), x, to);
@@ -298,7 +306,7 @@ SphereSums compute_spheres(const Scatterer& scatterer, std::span<const double> s
             weight[lane] = first + lane < count ? weights[i] : 0.0;
         }
         const BlockColumns<Scalar> columns{block, first, weight.sqrt()};
-        if (block && x[0] >= kLeastVectorSize)
+        if (block && goes_by_vectors(scatterer, x[0]))
             block->orders[first / kLaneCount].last = scatterer.terms(x[kLaneCount - 1]);
         const LaneSums sums = compute_eight(computed, x, columns);
         add(weight, sums, total);
