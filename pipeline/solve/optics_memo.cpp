@@ -6,6 +6,7 @@
 #include "pipeline/cache/packed_numbers.h"
 #include "pipeline/cache/result_cache.h"
 #include "rte/boundary/rough_boundaries.h"
+#include "rte/stack/layered_reflection.h"
 
 namespace miebrdf {
 std::size_t bytes_of(const MediumOptics& optics) {
