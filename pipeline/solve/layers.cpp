@@ -290,6 +290,7 @@ class LayerPasses {
     std::vector<std::size_t> solve_with(const OpticsDemand& demand, const OpticsDemand& whole,
                                         const std::vector<std::size_t>& jobs) {
         std::vector<char> polarised;
+        polarised.reserve(jobs.size());
         for (const std::size_t j : jobs) polarised.push_back(light_[j].components > 1);
         const auto optics =
             visible_optics(request_.scene, request_.directions, tolerance_of_hiding(request_),
@@ -317,6 +318,7 @@ class LayerPasses {
   private:
     std::vector<std::size_t> wavelengths_of(const std::vector<std::size_t>& jobs) const {
         std::vector<std::size_t> wavelengths;
+        wavelengths.reserve(jobs.size());
         for (const std::size_t j : jobs) wavelengths.push_back(jobs_[j].wavelength);
         return wavelengths;
     }
