@@ -46,10 +46,9 @@ double size_parameter_of(const Particles& at, double radius_um) {
     return 2e3 * std::numbers::pi * at.host_index * radius_um / at.wavelength_nm;
 }
 
-std::vector<double> line_of(const ResolvedSpecies& species) {
-    const double radius_um = species.sizes.effective_radius_um;
-    const double width = std::sqrt(std::log1p(species.sizes.effective_variance));
-    const std::vector<Particles>& all = species.spectrum->particles;
+std::vector<double> line_of(const std::vector<Particles>& all, const mie::SizeDistribution& sizes) {
+    const double radius_um = sizes.effective_radius_um;
+    const double width = std::sqrt(std::log1p(sizes.effective_variance));
     std::vector<double> line{0.0};
     for (std::size_t p = 1; p < all.size(); ++p) {
         const Particles &before = all[p - 1], &at = all[p];
@@ -71,6 +70,13 @@ std::vector<double> line_of(const ResolvedSpecies& species) {
         line.push_back(line.back() + std::sqrt(squares / (width * width) + chord * chord));
     }
     return line;
+}
+
+/// About which share of a line is computed: 12 to 17 places for each length of 1 of ice and dust,
+/// up to 60 where ripple shows (docs/maths-mie.md#many-wavelengths).
+double computed_share(const std::vector<double>& line) {
+    constexpr double per_length = 20.0;
+    return std::min(1.0, per_length * (1.0 + line.back()) / double(line.size()));
 }
 
 /// The species at one wavelength of its spectrum.
@@ -112,7 +118,9 @@ std::vector<std::size_t> spaced(const std::vector<double>& line, double gap) {
 class Spectrum {
   public:
     Spectrum(const ResolvedSpecies& species, const OpticsDemand& demand)
-        : species_(species), demand_(demand), line_(line_of(species)) {
+        : species_(species),
+          demand_(demand),
+          line_(line_of(species.spectrum->particles, species.sizes)) {
         for (const Particles& at : species.spectrum->particles)
             absorbed_.push_back(
                 -std::expm1(-chord_absorption(at, species.sizes.effective_radius_um)));
@@ -225,17 +233,15 @@ std::shared_ptr<const ParticleSpectrum> spectrum_of(const ResolvedSpecies& all) 
     std::vector<Particles>& particles = spectrum.particles;
     std::stable_sort(particles.begin(), particles.end(), shorter);
     particles.erase(std::unique(particles.begin(), particles.end(), is_same), particles.end());
-    if (particles.size() <= kMostAveraged) return {};
+    if (particles.size() <= kMostAveraged || computed_share(line_of(particles, all.sizes)) >= 1.0)
+        return {};
     spectrum.hash = JobKey("spectrum").add(particles).hash();
     return std::make_shared<const ParticleSpectrum>(std::move(spectrum));
 }
 
 double computed_share(const ResolvedSpecies& species) {
-    // 12 to 17 for ice and dust, up to 60 where ripple shows (docs/maths-mie.md#many-wavelengths).
-    constexpr double per_length = 20.0;
     if (!species.spectrum) return 1.0;
-    const std::vector<double> line = line_of(species);
-    return std::min(1.0, per_length * (1.0 + line.back()) / double(line.size()));
+    return computed_share(line_of(species.spectrum->particles, species.sizes));
 }
 
 MediumOptics averaged_optics(const Control& control, const ResolvedSpecies& species, std::size_t w,

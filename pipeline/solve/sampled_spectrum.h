@@ -5,10 +5,11 @@
 
 namespace miebrdf {
 
-/// Spectra of more wavelengths are sampled: averages at some, as many as keep the misfit of cubic
-/// interpolation in the middle of every gap within the tolerance of the averages. The error of what
-/// lies between is that of its averages, and the largest misfit: halving a gap divides the error of
-/// a smooth function by 16, and by nothing what is noise of the averages.
+/// Spectra of more wavelengths, and more than averages would be taken of, are sampled: averages at
+/// some, as many as keep the misfit of cubic interpolation in the middle of every gap within the
+/// tolerance of the averages. The error of what lies between is that of its averages, and the
+/// largest misfit: halving a gap divides the error of a smooth function by 16, and by nothing what
+/// is noise of the averages.
 ///
 /// The coordinate s is the way that spheres take in the space of what their optics depend on:
 ///     ds^2 = (|d ln x|^2 + |dm|^2 / |m - 1|^2) / w^2 + (d ln(1 + K / .03))^2,
