@@ -169,7 +169,8 @@ double difference_between(const EnsembleOptics& a, const EnsembleOptics& b);
 /// P at single angles.
 struct PhaseValues {
     std::vector<double> phase;  ///< mean over the sphere = 1
-    std::vector<double> error;  ///< absolute, 1 % err by more; with phase_allowed: twice an rms
+    /// Absolute, estimated; a tenth of what is allowed at least.
+    std::vector<double> error;
 };
 
 /// P at request.angles_deg alone, by as many sizes as each angle needs: no moments, no albedo.
