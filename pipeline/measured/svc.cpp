@@ -3,6 +3,8 @@
 // wavelengths go back.
 #include <fmt/format.h>
 
+#include <numeric>
+
 #include "materials/readers/text.h"
 #include "materials/readers/text_table.h"
 #include "pipeline/measured/reader.h"
@@ -13,6 +15,37 @@ namespace {
 bool looks_like_svc(const MeasuredFile& file) {
     return file.content.starts_with("/*** Spectra Vista") ||
            file.content.starts_with("///GER SIGNATUR FILE///");
+}
+
+/// Of two detectors that overlap the first counts below the middle of the overlap, the second
+/// above: each has most noise at its end.
+void cut_overlaps(Measurements& list, const std::string& path) {
+    constexpr std::size_t kLongest = 300;  // of the text: instruments have three detectors
+    std::vector<MeasuredValue> kept;
+    std::string cuts, overlap;
+    double cut = -INFINITY;
+    for (const MeasuredValue& value : list.values) {
+        const double low = value.wavelength_nm;
+        if (!kept.empty() && low > cut && low <= kept.back().wavelength_nm) {
+            const double high = kept.back().wavelength_nm;
+            cut = std::midpoint(low, high);
+            overlap = fmt::format("{:g} to {:g} nm", low, high);
+            while (!kept.empty() && kept.back().wavelength_nm > cut) kept.pop_back();
+        }
+        if (low <= cut) continue;
+        if (!overlap.empty() && !kept.empty() && cuts.size() < kLongest)
+            cuts +=
+                fmt::format("{}{} (cut at {:g}, from {:.4g} to {:.4g})", cuts.empty() ? "" : ", ",
+                            overlap, cut, kept.back().value, value.value);
+        overlap.clear();
+        kept.push_back(value);
+    }
+    list.values = std::move(kept);
+    if (cuts.empty()) return;
+    list.doubts.push_back(fmt::format(
+        "{}: detectors overlap at {}. If these steps matter, remove and match the overlaps in the "
+        "instrument's program",
+        path, cuts));
 }
 
 Measurements read_svc(const MeasuredFile& file, const MeasuredOptions& options) {
@@ -63,6 +96,7 @@ Measurements read_svc(const MeasuredFile& file, const MeasuredOptions& options) 
         "data", ratio ? "sample over white panel" : "reflectance, relative to the white panel");
     add_spectrum(list, name, {MeasuredQuantity::reflectance_factor, MeasuredGeometry::unknown},
                  MeasuredValue::kNone, nm, values, lines);
+    cut_overlaps(list, file.path);
     return list;
 }
 

@@ -19,7 +19,7 @@ TEST_CASE("SVC files have reflectance in percent, or panel and sample", "[measur
         "/*** Spectra Vista SIG Data ***/\nname= leaf\nunits= Radiance, Radiance\n"
         "comm= \nmemory slot= 0, 0\ndata= \n";
     const Measurements list = read_text(
-        head + "400.0  200.0  50.0  25.00\n401.5  200.0  60.0  30.00\n401.0  0.0  60.0  -9999\n");
+        head + "400.0  200.0  50.0  25.00\n401.5  200.0  60.0  30.00\n403.0  0.0  60.0  -9999\n");
     CHECK(list.format == "svc");
     CHECK(list.samples == std::vector<std::string>{"leaf"});
     CHECK(values_of(list) == Doubles{0.25, 0.3});
@@ -33,6 +33,22 @@ TEST_CASE("SVC files have reflectance in percent, or panel and sample", "[measur
     CHECK_FALSE(told(read_text(head + "400 200 50\n402 200 60\n"), "unit"));  // no percent
     CHECK_THROWS_WITH(read_text(head + "400 200\n"), Catch::Contains("2 numbers"));
     CHECK_THROWS_WITH(read_text(head), Catch::Contains("data="));
+}
+
+TEST_CASE("where detectors of SVC overlap, each counts on its side of the middle",
+          "[measured][instruments]") {
+    const std::string text =
+        "/*** Spectra Vista SIG Data ***/\nfactors= 0.8, 0.8, 1.0 [Overlap: Preserve]\ndata= \n"
+        "980 100 40 40\n990 100 41 41\n1000 100 42 42\n1010 100 60 60\n"
+        "982 100 30 30\n990 100 43 43\n998 100 44 44\n1006 100 45 45\n1890 100 46 46\n"
+        "1885 100 20 20\n1889 100 47 47\n1895 100 48 48\n";
+    // The middles are 996 and 1887.5 nm: 990 nm counts once, of the first detector.
+    const Measurements list = read_text(text);
+    CHECK(wavelengths_of(list) == Doubles{980, 990, 998, 1006, 1889, 1895});
+    CHECK(values_of(list) == Doubles{0.4, 0.41, 0.44, 0.45, 0.47, 0.48});
+    REQUIRE_FALSE(list.doubts.empty());
+    CHECK_THAT(list.doubts[0], Catch::Contains("982 to 1010 nm (cut at 996, from 0.41 to 0.44)"));
+    CHECK_THAT(list.doubts[0], Catch::Contains("1885 to 1890 nm (cut at 1887.5"));
 }
 
 TEST_CASE("Spectral Evolution and Avantes texts are tables with lines above them",
