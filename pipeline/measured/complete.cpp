@@ -210,12 +210,23 @@ bool is_limited(const MeasuredValue& v) {
 /// A share that no sample has: noise of a detector, or percent.
 bool is_wild(const MeasuredValue& v) { return is_limited(v) && std::abs(v.value) > kLargestShare; }
 
+bool is_in_percent(const Measurements& list) {
+    return std::any_of(list.facts.begin(), list.facts.end(), [](const auto& fact) {
+        return fact.first == "unit" && fact.second.starts_with("percent");
+    });
+}
+
 [[noreturn]] void refuse_percent(const Measurements& list, const MeasuredValue& value) {
-    refuse_value(list, value,
-                 fmt::format("{} is {}; allowed: up to {}, a share of 1. Values in percent: "
-                             "say so with the option percent, or in the name of the column, "
-                             "as in 'reflectance (%)'",
-                             word_of(value.quantity), value.value, kLargestShare));
+    refuse_value(
+        list, value,
+        fmt::format(
+            "{} is {}; allowed: up to {}, a share of 1. {}", word_of(value.quantity), value.value,
+            kLargestShare,
+            is_in_percent(list)
+                ? "Glossy samples beside a white panel exceed it: give the option quantity as "
+                  "reflection"
+                : "Values in percent: say so with the option percent, or in the name of "
+                  "the column, as in 'reflectance (%)'"));
 }
 
 /// Values that no sample has are left out where they are noise, and refused where they are percent:

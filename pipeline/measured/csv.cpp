@@ -479,11 +479,14 @@ class LongTable {
 /// Two or three columns of numbers without names: wavelength, value and perhaps sigma.
 Measurements read_nameless(const MeasuredFile& file, Sheet sheet, const MeasuredOptions& options) {
     const std::size_t count = sheet.rows.front().cells.size();
-    sheet.names = {"wavelength", "reflectance"};
+    // OPUS (Bruker) writes wavenumbers without names.
+    const bool opus = lower_case(std::filesystem::path(file.path).extension().string()) == ".dpt";
+    sheet.names = {opus ? "wavenumber_cm-1" : "wavelength", "reflectance"};
     if (count == 3) sheet.names.emplace_back("sigma");
     Measurements list = LongTable(file, std::move(sheet), options).read();
-    list.facts.emplace_back(
-        "columns", "without names: wavelength, value" + std::string(count == 3 ? ", sigma" : ""));
+    list.facts.emplace_back("columns", fmt::format("without names: {}, value{}",
+                                                   opus ? "wavenumber in 1/cm" : "wavelength",
+                                                   count == 3 ? ", sigma" : ""));
     return list;
 }
 

@@ -118,8 +118,11 @@ Measurements read_envi(const MeasuredFile& file, const MeasuredOptions& options)
     };
     const std::string type = materials::lower_case(fields["file type"]);
     if (type.find("spectral library") == std::string::npos)
-        refuse(file, 0,
-               fmt::format("an ENVI file of type '{}'; allowed: ENVI Spectral Library", type));
+        refuse(
+            file, 0,
+            fmt::format("an ENVI file of type '{}'; allowed: ENVI Spectral Library. Of an image, "
+                        "save the spectra of regions as a library",
+                        type));
     const double samples = number("samples", 0.0), lines = number("lines", 0.0),
                  offset = number("header offset", 0.0), code = number("data type", 4.0);
     const auto* kind = std::find_if(std::begin(kTypes), std::end(kTypes),
@@ -159,7 +162,12 @@ Measurements read_envi(const MeasuredFile& file, const MeasuredOptions& options)
     const ValueMeaning meaning = value_meaning(title).value_or(ValueMeaning{});
     if (!meaning.refused.empty() && options.quantity.empty())
         refuse(file, 0, refusal_of(title, meaning.refused));
-    const double scale = number("reflectance scale factor", 1.0),
+    // "reflectance [*10000]"
+    const std::size_t star = std::min(title.find('*'), title.size()),
+                      end = title.find_first_not_of("0123456789", std::min(star + 1, title.size()));
+    const auto in_title = materials::parse_number(title.substr(
+        std::min(star + 1, title.size()), end == std::string::npos ? end : end - star - 1));
+    const double scale = number("reflectance scale factor", in_title.value_or(1.0)),
                  ignored = number("data ignore value", MeasuredValue::kNone);
     if (!(scale > 0.0)) refuse(file, 0, fmt::format("reflectance scale factor {}", scale));
     const double factor = share_factor(list, options, says_percent(title), "z plot titles") / scale;

@@ -305,8 +305,13 @@ void read_packed(const MeasuredFile& file, const JcampBlock& block, std::vector<
 void read_pairs(const MeasuredFile& file, const JcampBlock& block, std::vector<double>& x,
                 std::vector<double>& y) {
     const double factor = jcamp_number(file, block, "XFACTOR", 1.0);
+    // Programs in languages with decimal commas write "176,36, 32822,795".
+    const bool commas = block.text("FIRSTX").find(',') != std::string::npos;
     for (const auto& [line, text] : block.data) {
-        const auto words = materials::split_words(text, " \t,;");
+        auto words = materials::split_words(text, commas ? " \t;" : " \t,;");
+        for (std::string_view& word : words) {
+            if (word.ends_with(',')) word.remove_suffix(1);
+        }
         if (words.size() % 2 != 0)
             refuse(file, line, fmt::format("{} numbers are no pairs", words.size()));
         for (std::size_t i = 0; i < words.size(); ++i) {
@@ -367,6 +372,35 @@ void add_block(const MeasuredFile& file, const JcampBlock& block, const Measured
                  std::vector<int>(nm.size(), block.line));
 }
 
+/// SpectraSuite (Ocean Optics) writes blocks of counts, all named "Transmission (%)": the sample as
+/// "PROCESSED SPECTRUM", then the dark signal and the reference. They make one share.
+void join_counts(Measurements& list, const std::string& path) {
+    const auto numbers_of = [&](const char* title) {
+        std::vector<double> numbers;
+        for (const MeasuredValue& v : list.values) {
+            if (list.samples[v.sample].ends_with(title)) numbers.push_back(v.value);
+        }
+        return numbers;
+    };
+    std::vector<double> counts = numbers_of("PROCESSED SPECTRUM"),
+                        dark = numbers_of(": DARK SPECTRUM"),
+                        reference = numbers_of(": REFERENCE SPECTRUM");
+    if (list.samples.size() != 3 || counts.empty() || dark.size() != counts.size() ||
+        reference.size() != counts.size())
+        return;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        const double white = reference[i] - dark[i];
+        list.values[i].value = white > 0.0 ? (counts[i] - dark[i]) / white : MeasuredValue::kNone;
+    }
+    list.values.resize(counts.size());
+    list.samples.resize(1);
+    list.doubts.push_back(
+        fmt::format("{}: (sample - dark) / (reference - dark) of the three blocks, which their "
+                    "program calls transmission even of reflected light: the option quantity says "
+                    "what it is",
+                    path));
+}
+
 bool looks_like_jcamp(const MeasuredFile& file) {
     const std::string_view start = file.content.substr(0, 4000);
     return start.find("##TITLE") != std::string_view::npos &&
@@ -383,6 +417,7 @@ Measurements read_jcamp(const MeasuredFile& file, const MeasuredOptions& options
         any = true;
     }
     if (!any) refuse(file, 0, "no ##XYDATA= or ##XYPOINTS= of a spectrum");
+    join_counts(list, file.path);
     return list;
 }
 

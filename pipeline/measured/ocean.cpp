@@ -1,8 +1,12 @@
-// Texts of Ocean Optics' programs (SpectraSuite, OceanView): lines about the measurement, then
-// wavelength and value below ">>>>>Begin Spectral Data<<<<<". What the values are stands in the
-// name of the file that the first line repeats ("Data from leaf_Reflection_0001.txt Node"), or
-// nowhere.
+// Texts of Ocean Optics' programs (OOIBase32, SpectraSuite, OceanView) and Jaz instruments: lines
+// about the measurement, then wavelength and value below ">>>>>Begin Spectral Data<<<<<", in the
+// language of the program; of a Jaz below names of columns, W(avelength), D(ark), R(eference),
+// S(ample), P(rocessed). What the values are stands in the name of the file that the first line
+// repeats ("Data from leaf_Reflection_0001.txt Node"), in the ending of OOIBase32's files
+// ("leaf.Master.Transmission"), or nowhere.
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "materials/index/units.h"
 #include "materials/readers/text.h"
@@ -13,14 +17,14 @@
 namespace miebrdf::measured {
 namespace {
 
-bool is_begin(std::string_view line) {
-    return line.starts_with(">>>>>Begin") && line.find("Spectral Data") != std::string_view::npos;
+bool is_mark(std::string_view line) {
+    return line.starts_with(">>>>>") && line.find("<<<<<") != std::string_view::npos;
 }
 
 bool looks_like_ocean(const MeasuredFile& file) {
     const std::string_view start = file.content.substr(0, 8000);
-    const std::size_t at = start.find(">>>>>Begin");
-    return at != std::string_view::npos && is_begin(start.substr(at, 80));
+    const std::size_t at = start.find(">>>>>");
+    return at != std::string_view::npos && is_mark(start.substr(at, 80));
 }
 
 Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options) {
@@ -32,21 +36,23 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
     double factor = 1.0;
     std::vector<double> nm, values;
     std::vector<int> lines;
+    std::size_t columns = 2, of_values = 1;
     int line = 0;
     for (const std::string_view text : materials::split_lines(file.content)) {
         ++line;
         const std::string_view content = materials::without_blanks(text);
         if (content.empty()) continue;
-        if (content.starts_with(">>>>>End")) break;
+        if (in_data && is_mark(content)) break;
         if (!in_data) {
             if (title.empty()) {
                 title = materials::as_utf8(content);
+                const std::string ending = std::filesystem::path(file.path).extension().string();
                 said = value_meaning(content);
+                if (!said && !ending.empty()) said = value_meaning(ending.substr(1));
             }
-            constexpr std::string_view kPixels = "Number of Pixels in Spectrum:";
-            if (content.starts_with(kPixels))
+            if (content.starts_with("Number of Pixels in "))
                 pixels = materials::parse_number(
-                    materials::without_blanks(content.substr(kPixels.size())));
+                    materials::without_blanks(content.substr(content.rfind(':') + 1)));
             constexpr std::string_view kAxis = "XAxis mode:";
             if (content.starts_with(kAxis)) {
                 const std::string axis =
@@ -54,25 +60,34 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
                 if (!materials::lower_case(axis).starts_with("wavelength"))
                     refuse(file, line, fmt::format("its axis is '{}'; allowed: Wavelengths", axis));
             }
-            in_data = is_begin(content);
+            in_data = is_mark(content);
             if (!in_data) continue;
             if (options.quantity.empty() && !said) {
                 refuse(file, line,
                        "the file does not say what its values are (Reflection, Transmission or "
-                       "Absorbance in its first line): say so with the option quantity");
+                       "Absorbance in its first line): say so with the option quantity; they are "
+                       "taken as percent");
             }
             if (options.quantity.empty() && !said->refused.empty())
                 refuse(file, 1, refusal_of(title, said->refused));
             const bool is_converted = said && said->conversion != Conversion::none;
             if (!is_converted)
-                factor = share_factor(list, options, said.has_value(), "as these programs write");
+                factor = share_factor(list, options, true, "as these programs write");
             else
                 list.facts.emplace_back("data", words_of(said->conversion, said->kind.quantity));
             continue;
         }
         const std::vector<std::string> words = materials::split_numbers(content);
-        const auto x = words.size() == 2 ? measured_number(words[0]) : std::nullopt;
-        const auto y = words.size() == 2 ? measured_number(words[1]) : std::nullopt;
+        if (nm.empty() && words.front() == "W") {
+            columns = words.size();
+            of_values = std::size_t(std::find(words.begin(), words.end(), "P") - words.begin());
+            if (of_values == columns)
+                refuse(file, line, "no column P: no reference was stored, which makes shares");
+            continue;
+        }
+        const bool whole = words.size() == columns;
+        const auto x = whole ? measured_number(words[0]) : std::nullopt;
+        const auto y = whole ? measured_number(words[of_values]) : std::nullopt;
         if (!x || !y || !(*x > 0.0)) {
             refuse(file, line,
                    fmt::format("'{}': expected a wavelength and a value", content.substr(0, 60)));
@@ -81,8 +96,8 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
         values.push_back(converted(*y, said ? said->conversion : Conversion::none) * factor);
         lines.push_back(line);
     }
-    if (nm.empty()) refuse(file, 0, "no values below its line 'Begin Spectral Data'");
-    if (pixels && *pixels != double(nm.size())) {
+    if (nm.empty()) refuse(file, 0, "no values below its line '>>>>>Begin Spectral Data<<<<<'");
+    if (pixels && *pixels > double(nm.size())) {
         list.doubts.push_back(fmt::format("{}: {} values; its header says {}: it may be cut off",
                                           file.path, nm.size(), *pixels));
     }
@@ -95,6 +110,6 @@ Measurements read_ocean(const MeasuredFile& file, const MeasuredOptions& options
 }  // namespace
 
 extern const Reader kOcean;
-constinit const Reader kOcean{{"ocean", "Ocean Optics (.txt)"}, looks_like_ocean, read_ocean};
+constinit const Reader kOcean{{"ocean", "Ocean Optics (.txt, .jaz)"}, looks_like_ocean, read_ocean};
 
 }  // namespace miebrdf::measured

@@ -14,9 +14,12 @@ namespace {
 
 bool looks_like_openmaterial(const MeasuredFile& file) {
     const std::size_t first = file.content.find_first_not_of(" \t\r\n");
+    const auto has = [&](std::string_view part) {
+        return file.content.find(part) != std::string_view::npos;
+    };
     return first != std::string_view::npos && file.content[first] == '{' &&
-           file.content.find("\"lookupTable\"") != std::string_view::npos &&
-           file.content.find("\"brdf\"") != std::string_view::npos;
+           ((has("\"lookupTable\"") && has("\"brdf\"")) || has("\"openMaterial3dVersion\"") ||
+            has("\"OpenMaterial_"));
 }
 
 Measurements read_openmaterial(const MeasuredFile& file, const MeasuredOptions& options) {
@@ -27,6 +30,11 @@ Measurements read_openmaterial(const MeasuredFile& file, const MeasuredOptions& 
     std::vector<RawDirection> raw;
     try {
         const nlohmann::json root = nlohmann::json::parse(file.content);
+        if (!root.contains("brdf")) {
+            refuse(file, 0,
+                   "an OpenMATERIAL file without a look-up table of a BRDF. Its parameters, "
+                   "refractive indices and emissivities are no measurements");
+        }
         list.samples = {root.value("metadata", nlohmann::json::object()).value("name", "table")};
         for (const nlohmann::json& row : root.at("brdf").at("lookupTable")) {
             if (row.size() != 5) {

@@ -45,7 +45,8 @@ TEST_CASE("where detectors of SVC overlap, each counts on its side of the middle
     // The middles are 996 and 1887.5 nm: 990 nm counts once, of the first detector.
     const Measurements list = read_text(text);
     CHECK(wavelengths_of(list) == Doubles{980, 990, 998, 1006, 1889, 1895});
-    CHECK(values_of(list) == Doubles{0.4, 0.41, 0.44, 0.45, 0.47, 0.48});
+    CHECK(values_of(list) ==
+          Doubles{0.01 * 40, 0.01 * 41, 0.01 * 44, 0.01 * 45, 0.01 * 47, 0.01 * 48});
     REQUIRE_FALSE(list.doubts.empty());
     CHECK_THAT(list.doubts[0], Catch::Contains("982 to 1010 nm (cut at 996, from 0.41 to 0.44)"));
     CHECK_THAT(list.doubts[0], Catch::Contains("1885 to 1890 nm (cut at 1887.5"));
@@ -98,6 +99,85 @@ TEST_CASE("Ocean Optics texts say what they are in their first line, or are aske
     CHECK(values_of(read_text("Data from leaf_0001.txt" + rest, options)) == Doubles{0.5, 0.6});
 }
 
+TEST_CASE("texts of OOIBase32, Jaz and SpectraSuite in Spanish", "[measured][instruments]") {
+    const std::string old =
+        "OOIBase32 Version 2.0.6.5 Data File\n++++\nDate: 03-23-2011, 12:15:51\nGraph Title: \n"
+        ">>>>>Begin Spectral Data<<<<<\n400.10\t50.0\n400.50\t60.0\n>>>>>End Spectral "
+        "Data<<<<<\n";
+    const Measurements film = read_text(old, {}, "film.Master.Transmission");
+    CHECK(values_of(film) == Doubles{0.5, 0.6});
+    CHECK(film.values[0].quantity == MeasuredQuantity::transmittance);
+    CHECK_THROWS_WITH(read_text(old, {}, "film.Master.Scope"), Catch::Contains("detector"));
+
+    MeasuredOptions options;
+    options.quantity = "reflectance";
+    const std::string jaz =
+        "Jaz Data File\n++++\nUser: jaz\nNumber of Pixels in Processed Spectrum: 2\n"
+        ">>>>>Begin Processed Spectral Data<<<<<\n";
+    CHECK(values_of(read_text(jaz + "W\tD\tR\tS\tP\n400.1\t10\t90\t50\t50\n401\t10\t90\t58\t60\n"
+                                    ">>>>>End Processed Spectral Data<<<<<\n",
+                              options)) == Doubles{0.5, 0.6});
+    CHECK_THROWS_WITH(read_text(jaz + "W\tD\tS\n400.1\t10\t50\n", options),
+                      Catch::Contains("no column P"));
+    const Measurements spanish = read_text(
+        "Fichero De Datos De SpectraSuite\r\n++++\r\nTiempo de integraci\xf3n: 3\r\n"
+        ">>>>> Comienza Data<<<<< Espectral Procesado Del El\r\n190,74\t50,5\r\n191,12\t60,5\r\n"
+        ">>>>> Data<<<<< Espectral Procesado Extremo\r\n",
+        options);
+    CHECK(wavelengths_of(spanish) == Doubles{190.74, 191.12});
+    CHECK(values_of(spanish) == Doubles{0.505, 0.605});
+}
+
+TEST_CASE("three blocks of counts of SpectraSuite make one share", "[measured][instruments]") {
+    const auto block = [](const std::string& title, const std::string& first,
+                          const std::string& pairs) {
+        return "##TITLE= SPECTRASUITE EXPORTED SPECTRA: " + title +
+               " SPECTRUM\n##JCAMP-DX= 5 $$EXPORTED SPECTRASUITE FILE\n##XUNITS= NANOMETERS\n"
+               "##YUNITS= Transmission (%)\n##XFACTOR= 1.0\n##YFACTOR= 1.0\n##FIRSTX= " +
+               first + "\n##NPOINTS= 3\n##XYPOINTS= (XY..XY)\n" + pairs + "##END=\n";
+    };
+    const std::string link = "##TITLE= SPECTRASUITE EXPORTED SPECTRUM\n##DATA TYPE= LINK\n",
+                      end = "##END=   $$end of all blocks\n";
+    const std::string text = GENERATE_COPY(
+        link + block("PROCESSED", "400.5", "400.5, 1500.5,\n401.0, 2500.5,\n401.5, 2500.5\n") +
+            block("DARK", "400.5", "400.5, 1000.5,\n401.0, 500.5,\n401.5, 900.5\n") +
+            block("REFERENCE", "400.5", "400.5, 2000.5,\n401.0, 5500.5,\n401.5, 900.5\n") + end,
+        link + block("PROCESSED", "400,5", "400,5, 1500,5,\n401,0, 2500,5,\n401,5, 2500,5\n") +
+            block("DARK", "400,5", "400,5, 1000,5,\n401,0, 500,5,\n401,5, 900,5\n") +
+            block("REFERENCE", "400,5", "400,5, 2000,5,\n401,0, 5500,5,\n401,5, 900,5\n") + end);
+    const Measurements list = read_text(text);
+    CHECK(list.samples.size() == 1);
+    CHECK(wavelengths_of(list) == Doubles{400.5, 401});  // nothing where the reference is dark
+    REQUIRE(list.values.size() == 2);
+    CHECK(list.values[0].value == Approx(0.5).epsilon(1e-14));
+    CHECK(list.values[1].value == Approx(0.4).epsilon(1e-14));
+}
+
+TEST_CASE("Avantes' lines filled up with NUL are texts, its binary files are refused by name",
+          "[measured][instruments]") {
+    const std::string nul(5, '\0');
+    const std::string text =
+        "0804016U1- \r\nIntegration time: 100.00 ms\r\nData measured with "
+        "spectrometer name: 0804016U1" +
+        nul +
+        "\r\nWave   ;Transmittance\r\n[nm]   ;[% transmittance]\r\n"
+        "400.00;50\r\n401.00;60\r\n";
+    const Measurements list = read_text(text);
+    CHECK(values_of(list) == Doubles{0.5, 0.6});
+    CHECK(list.values[0].quantity == MeasuredQuantity::transmittance);
+    CHECK_THROWS_WITH(read_text("AVS84" + nul + "\x01", {}, "leaf.RFL8"),
+                      Catch::Contains("AvaSoft 8") && Catch::Contains("export it as text"));
+    CHECK_THROWS_WITH(read_text("\x8c" + nul + "\x01", {}, "leaf.TRM"), Catch::Contains("AvaSoft"));
+    CHECK_THROWS_WITH(read_text("PK\x03\x04" + nul + "\x01", {}, "leaf.ProcSpec"),
+                      Catch::Contains("SpectraSuite"));
+}
+
+TEST_CASE("OPUS' tables without names have wavenumbers", "[measured][instruments]") {
+    const Measurements list = read_text("10000,0.2\r\n8000,0.3\r\n5000,0.4\r\n", {}, "a.dpt");
+    CHECK(wavelengths_of(list) == Doubles{1000, 1250, 2000});
+    CHECK(values_of(list) == Doubles{0.2, 0.3, 0.4});
+}
+
 TEST_CASE("ENVI libraries are read by their header or their numbers", "[measured][instruments]") {
     const support::TemporaryFolder folder;
     const std::string header =
@@ -119,6 +199,13 @@ TEST_CASE("ENVI libraries are read by their header or their numbers", "[measured
         CHECK(values_of(list) == Doubles{0.1, 0.2, 0.3, 0.4, 0.6});
         CHECK(list.values[0].wavelength_nm == Approx(400).epsilon(1e-14));
     }
+    // The scale may stand in the title alone.
+    std::string titled = header;
+    titled.replace(titled.find("reflectance scale factor = 10000\n"), 33, "");
+    titled.replace(titled.find("Reflectance}"), 11, "reflectance [*10000]");
+    CHECK(values_of(read_measured(folder.write("lib.hdr", titled))) ==
+          Doubles{0.1, 0.2, 0.3, 0.4, 0.6});
+    folder.write("lib.hdr", header);
     folder.write("lib.sli", bytes.substr(0, 9));
     CHECK_THROWS_WITH(read_measured(hdr), Catch::Contains("9 bytes"));
 }
@@ -138,6 +225,8 @@ TEST_CASE("OpenMATERIAL tables have metres and radians", "[measured][instruments
     CHECK(list.values[0].azimuth_deg == Approx(0).margin(1e-9));
     CHECK(list.values[0].value == 0.2);
     CHECK_THROWS_WITH(read_text("{\"brdf\":{\"lookupTable\":[[1,2]]}}"), Catch::Contains("5"));
+    CHECK_THROWS_WITH(read_text("{\"extensions\":{\"OpenMaterial_ior_data\":{}}}"),
+                      Catch::Contains("no measurements"));
     CHECK_THROWS_WITH(read_text("{\"brdf\":{\"lookupTable\":[[905,0.5,0.5,0,0.2]]}}"),
                       Catch::Contains("905 m"));
 }
