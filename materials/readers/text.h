@@ -13,9 +13,6 @@ namespace miebrdf::materials {
 /// are dropped.
 std::vector<std::string> split_fields(std::string_view line, char separator = ',');
 
-/// Quoted when it has to be.
-std::string quoted_field(std::string_view field);
-
 /// Between single quotes, for any shell.
 std::string shell_quoted(std::string_view text);
 

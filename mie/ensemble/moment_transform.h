@@ -79,10 +79,4 @@ class MomentTransform {
     Eigen::ArrayXXd inverse_roots_[2];
 };
 
-/// A transform that is used once.
-inline std::vector<double> moments_from_covariance(const BandCovariance& covariance,
-                                                   const Executor& run = run_in_order) {
-    return MomentTransform(covariance.terms(), covariance.width())(covariance, run);
-}
-
 }  // namespace miebrdf::mie

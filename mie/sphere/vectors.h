@@ -70,7 +70,6 @@ struct ComplexOf {
     RealVector re, im;
 };
 using ComplexVector = ComplexOf<Vector>;
-using ComplexFloatVector = ComplexOf<FloatVector>;
 using ComplexFloatPair = ComplexOf<FloatPair>;
 
 MIEBRDF_VECTOR ComplexVector load(const ComplexLanes& z, int first) {

@@ -12,8 +12,7 @@
 namespace miebrdf {
 namespace {
 
-constexpr double kKgPerM3 = 1000.0;     // of 1 g/cm3
-constexpr double kKgPerM2AndUm = 1e-3;  // of 1 g/cm3, in a layer of 1 um
+constexpr double kKgPerM3 = 1000.0;  // of 1 g/cm3
 constexpr double kUm3PerCm3 = 1e12;
 constexpr double kFractionRounding = 1e-12;
 
@@ -190,7 +189,7 @@ double column_um(const Depth& depth, const ResolvedMedium& medium) {
     }
     double mass_per_um = 0.0;
     for (const ResolvedSpecies& species : medium.species)
-        mass_per_um += kKgPerM2AndUm * species.volume_fraction * density_of(species);
+        mass_per_um += 1e-6 * kKgPerM3 * species.volume_fraction * density_of(species);
     return depth.value / mass_per_um;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 /// A function of a cosine at all wavelengths.
 Eigen::VectorXd at_nodes(const CompactTable::OfCosine& function, double mu) {
-    const SixNodes six = SixNodes::around(mu, CompactTable::kCosines);
+    const SixNodes six = SixNodes::around(mu, SmoothPart::kNodes);
     const Eigen::Map<const Eigen::Matrix<double, 6, 1>> weight(six.weight.data());
     return function.middleCols<6>(Eigen::Index(six.first)) * weight;
 }
@@ -60,7 +60,8 @@ double largest_error(const Eigen::MatrixXd& found, const Eigen::MatrixXd& exact)
 }  // namespace
 
 void CompactTable::Rows::set(const LowRank& table) {
-    const Eigen::Index rank = table.basis.cols(), filled = (rank + kLane - 1) / kLane * kLane;
+    const Eigen::Index rank = table.basis.cols(), lane = Lane::SizeAtCompileTime,
+                       filled = (rank + lane - 1) / lane * lane;
     basis = Eigen::MatrixXf::Zero(filled, table.basis.rows());
     basis.topRows(rank) = (table.scale.asDiagonal() * table.basis).transpose().cast<float>();
     coefficients = Eigen::MatrixXf::Zero(table.coefficients.cols(), filled);
@@ -71,7 +72,8 @@ void CompactTable::Rows::set(const LowRank& table) {
 CompactTable::CompactTable(std::span<const BrdfTable> tables, const CompactOptions& options,
                            const Control& control) {
     if (tables.empty()) throw UsageError("no wavelength to tabulate");
-    if (options.cosines != 0 && !(options.cosines >= 6 && options.cosines <= int(kCosines)))
+    if (options.cosines != 0 &&
+        !(options.cosines >= 6 && options.cosines <= int(SmoothPart::kNodes)))
         throw UsageError("cosines", options.cosines, "6 to 49, or 0 to choose by the tolerance");
     if (!(options.orders >= 0)) throw UsageError("orders", options.orders, "0 or more");
     if (!(options.tolerance > 0.0)) throw UsageError("tolerance", options.tolerance, "> 0");
@@ -85,7 +87,7 @@ CompactTable::CompactTable(std::span<const BrdfTable> tables, const CompactOptio
     if (first.scene.boundary) add_boundary(solved);
     add_single_scattering(solved, options, control);
     single_rows_.set(single_scattering_);
-    std::vector<int> sizes = {17, 25, 33, 41, int(kCosines)};
+    std::vector<int> sizes = {17, 25, 33, 41, int(SmoothPart::kNodes)};
     if (options.cosines != 0) sizes = {options.cosines};
     for (const int cosines : sizes) {
         add_multiple(solved, cosines, options, control);
@@ -166,7 +168,9 @@ Eigen::VectorXf CompactTable::scattered_repeatedly(double mu_in, double mu_out,
                 Rows::Lane sum = Rows::Lane::Zero();
                 for (int m = 0; m < orders_[pair]; ++m)
                     sum += harmonics[m] * multiple_rows_.lane_of(first_row_[pair] + m, lane);
-                in_basis.segment<Rows::kLane>(lane * Rows::kLane).array() += weight * sum;
+                in_basis
+                    .segment<Rows::Lane::SizeAtCompileTime>(lane * Rows::Lane::SizeAtCompileTime)
+                    .array() += weight * sum;
             }
         }
     }

@@ -35,8 +35,6 @@ struct CompactOptions {
 /// surface lets in and out, and its lobe, are functions of cosines.
 class CompactTable {
   public:
-    /// Nodes of functions of one cosine.
-    static constexpr std::size_t kCosines = 49;
     /// Of log q, where more than one layer makes it matter.
     static constexpr double kFirstQ = 2.0, kLastQ = 2000.0;
 
@@ -99,15 +97,14 @@ class CompactTable {
   private:
     /// LowRank for sums of many rows, in lanes of single precision.
     struct Rows {
-        static constexpr Eigen::Index kLane = 8;
-        using Lane = Eigen::Array<float, kLane, 1>;
+        using Lane = Eigen::Array<float, int(math::kSeriesLanes), 1>;
         Eigen::MatrixXf basis;  ///< column = row of the table, with its scale, filled up to lanes
         Eigen::MatrixXf coefficients;  ///< row = column of the table, with its scale
 
         void set(const LowRank& table);
-        Eigen::Index lanes() const { return basis.rows() / kLane; }
+        Eigen::Index lanes() const { return basis.rows() / Lane::SizeAtCompileTime; }
         Eigen::Map<const Lane> lane_of(Eigen::Index row, Eigen::Index lane) const {
-            return Eigen::Map<const Lane>(basis.col(row).data() + lane * kLane);
+            return Eigen::Map<const Lane>(basis.col(row).data() + lane * Lane::SizeAtCompileTime);
         }
     };
     using Tables = std::vector<const SolvedTable*>;

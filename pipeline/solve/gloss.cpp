@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "pipeline/solve/vector_pairs.h"
 #include "rte/math/quadrature.h"
 #include "rte/surface/fresnel.h"
 
 namespace miebrdf {
 namespace {
 
-constexpr double kRadiansOfDegree = std::numbers::pi / 180.0;
 constexpr double kBlackGlass = 1.567;  // index at 587.6 nm (ISO 2813)
 
 /// Widths in the plane of incidence and across it, degrees: those of ISO 2813 and ASTM D523 as
@@ -39,8 +38,8 @@ Offsets offsets(double receptor_deg, double source_deg) {
     const double plateau = 0.5 * (receptor_deg - source_deg), end = plateau + source_deg;
     Offsets all;
     const auto add = [&](double d, double weight) {
-        all.radians.push_back(kRadiansOfDegree * d);
-        all.weight.push_back(kRadiansOfDegree * weight);
+        all.radians.push_back(kDegree * d);
+        all.weight.push_back(kDegree * weight);
     };
     const auto inner = math::gauss_legendre(kPlateau, 0.0, 1.0);
     for (std::size_t i = 0; i < inner.nodes.size(); ++i) {
@@ -71,7 +70,7 @@ GlossValues gloss(const Brdf& brdf, const Viewing& viewing) {
     const ObserverWeights weights = observer_weights(brdf.wavelength_nm(), viewing);
     GlossValues result;
     for (const auto& [angle_deg, receptor] : kGeometries) {
-        const double theta = kRadiansOfDegree * angle_deg;
+        const double theta = kDegree * angle_deg;
         const Offsets in_plane = offsets(receptor.in_plane, kGlossSource.in_plane),
                       across = offsets(receptor.across, kGlossSource.across);
         Directions directions{{std::cos(theta)}, {}, {}};
@@ -85,7 +84,7 @@ GlossValues gloss(const Brdf& brdf, const Viewing& viewing) {
             }
         }
         for (const double d : across.radians)
-            directions.azimuth_deg.push_back(d / std::sin(theta) / kRadiansOfDegree);
+            directions.azimuth_deg.push_back(d / std::sin(theta) / kDegree);
         const BrdfValues values = brdf.evaluate(directions);
         std::vector<double> reflectance;
         for (const BrdfValues::Slice& slice : values.slices) {

@@ -16,21 +16,13 @@
 namespace miebrdf {
 namespace {
 
-/// Shares of the tolerance. The basis columns may leave out this much of the largest value at an
-/// incidence.
-constexpr double kRankShare = 1.0 / 8;
-/// Those of light scattered once may leave out this much of the largest value at the angle: there
-/// it may be small at one incidence and large at another.
-constexpr double kSingleShare = 1.0 / 16;
-/// Orders that are left out at the end of a series may add up to this much.
-constexpr double kOrderShare = 1.0 / 8;
-/// Every second angle of the table of light scattered once may lose this much.
-constexpr double kAngleShare = 1.0 / 8;
+/// Share of the tolerance that each of these may take: basis columns that are left out (over the
+/// largest value at an incidence), the last orders of a series that are left out (their sum), and
+/// every second angle of the table of light scattered once.
+constexpr double kShare = 1.0 / 8;
 /// Slope parameter of the lobe that shows the mirror reflection of a smooth boundary in pictures.
 constexpr double kMirrorAlpha = 0.02;
-/// Most azimuthal orders of light scattered once that is put into the series.
-constexpr int kMostSingleOrders = 48;
-/// So many azimuths in half a turn resolve them; what is beyond comes back from order 80 on.
+/// Samples in half a turn of light scattered once that is put into the series: 48 orders.
 constexpr int kSamples = 64;
 
 CompactTable::Lobe lobe_of(const rte::SurfaceOptions& options,
@@ -42,7 +34,7 @@ CompactTable::Lobe lobe_of(const rte::SurfaceOptions& options,
                             .fresnel = {},
                             .scale = {}};
     const rte::ShadowingOverCosines masking(options);
-    const std::vector<double> nodes = half_sine_nodes(CompactTable::kCosines);
+    const std::vector<double> nodes = half_sine_nodes(SmoothPart::kNodes);
     for (const double mu : nodes) lobe.masking.push_back(masking.cosine_over_masking(mu));
     const bool schlick = options.fresnel == rte::FresnelKind::schlick;
     lobe.fresnel.resize(Eigen::Index(index.size()), Eigen::Index(nodes.size()));
@@ -61,7 +53,7 @@ CompactTable::Lobe lobe_of(const rte::SurfaceOptions& options,
 template <typename Function>
 CompactTable::OfCosine tabulated(const std::vector<const SolvedTable*>& tables,
                                  const Function& function) {
-    const std::vector<double> nodes = half_sine_nodes(CompactTable::kCosines);
+    const std::vector<double> nodes = half_sine_nodes(SmoothPart::kNodes);
     std::vector<std::vector<double>> rows;
     for (const SolvedTable* table : tables) {
         for (const SolvedWavelength& at : table->wavelengths) {
@@ -85,22 +77,6 @@ void for_each_sharp(const std::vector<const SolvedTable*>& tables, const Action&
             action(first, part);
             first += part.wavelengths();
         }
-    }
-}
-
-/// A series a_0 + sum a_m cos(m phi) from samples at phi = pi j / n, added to `series`.
-void add_series(const std::vector<double>& samples, double factor, std::vector<double>& series) {
-    const std::size_t n = samples.size() - 1;
-    const std::size_t orders = std::min<std::size_t>(n, kMostSingleOrders);
-    if (series.size() < orders) series.resize(orders, 0.0);
-    std::vector<double> cosine(2 * n);
-    for (std::size_t j = 0; j < 2 * n; ++j)
-        cosine[j] = std::cos(std::numbers::pi * double(j) / double(n));
-    for (std::size_t m = 0; m < orders; ++m) {
-        double sum = 0.0;
-        for (std::size_t j = 0; j <= n; ++j)
-            sum += (j == 0 || j == n ? 0.5 : 1.0) * samples[j] * cosine[(m * j) % (2 * n)];
-        series[m] += factor * (m == 0 ? 1.0 : 2.0) / double(n) * sum;
     }
 }
 
@@ -241,14 +217,16 @@ void CompactTable::add_single_scattering(const Tables& tables, const CompactOpti
     });
     flatten_what_is_of_no_use(table, slants_);
     Eigen::VectorXd scale = row_scale(table, slants_);
-    while (angles_ > 33 && half_as_many_will_do(table, scale, slants_, kAngleShare * tolerance)) {
+    while (angles_ > 33 && half_as_many_will_do(table, scale, slants_, kShare * tolerance)) {
         angles_ = (angles_ + 1) / 2;
         const Eigen::MatrixXd every_other = table(Eigen::seqN(0, angles_, 2), Eigen::all);
         table = every_other;
         scale = row_scale(table, slants_);
     }
+    // Half the share, over the largest value at an angle: there light scattered once may be small
+    // at one incidence and large at another.
     single_scattering_ = reduce_rank(table, std::move(scale), Eigen::VectorXd::Ones(table.cols()),
-                                     kSingleShare * tolerance, tolerance);
+                                     0.5 * kShare * tolerance, tolerance);
 }
 
 void CompactTable::add_multiple(const Tables& tables, int cosines, const CompactOptions& options,
@@ -257,10 +235,8 @@ void CompactTable::add_multiple(const Tables& tables, int cosines, const Compact
     std::vector<double> nodes = half_sine_nodes(std::size_t(cosines));
     nodes.front() = SmoothPart::nodes().front();
     std::vector<std::vector<std::vector<double>>> series(wavelengths());  // [wavelength][pair]
-    std::vector<double> cos_azimuth;
-    const int samples = kSamples;
-    for (int j = 0; j <= samples; ++j)
-        cos_azimuth.push_back(std::cos(std::numbers::pi * j / samples));
+    const std::vector<double> cos_azimuth = cosines_of_azimuths(kSamples);
+    const Eigen::MatrixXd to_orders = samples_to_orders(kSamples);
     struct Place {
         const SharpPart* part;
         std::size_t own;
@@ -273,7 +249,7 @@ void CompactTable::add_multiple(const Tables& tables, int cosines, const Compact
         const auto [part, own] = places[w];
         const SolvedWavelength& at = part->wavelength(own);
         rte::SpectralFirstOrder::Scratch scratch;
-        std::vector<double> once(cos_azimuth.size());
+        Eigen::RowVectorXd once(to_orders.rows()), orders;
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             for (std::size_t o = i; o < nodes.size(); ++o) {
                 std::vector<double>& a = series[w].emplace_back();
@@ -281,9 +257,11 @@ void CompactTable::add_multiple(const Tables& tables, int cosines, const Compact
                 const double surface = at.transmitted(nodes[i], nodes[o]);
                 for (double& value : a) value *= surface > 0.0 ? 1.0 / surface : 0.0;
                 if (angles_ == 0 && (!at.stack().media.empty() || at.stack().ground)) {
-                    part->first_order().evaluate_alone(own, nodes[i], nodes[o], cos_azimuth, once,
-                                                       scratch);
-                    add_series(once, 1.0, a);
+                    part->first_order().evaluate_alone(own, nodes[i], nodes[o], cos_azimuth,
+                                                       {once.data(), cos_azimuth.size()}, scratch);
+                    orders = once * to_orders;
+                    a.resize(std::max(a.size(), std::size_t(orders.size())), 0.0);
+                    for (Eigen::Index m = 0; m < orders.size(); ++m) a[std::size_t(m)] += orders[m];
                 }
                 for (double& value : a) value *= nodes[i] + nodes[o];
                 if (!std::all_of(a.begin(), a.end(), [](double v) { return std::isfinite(v); })) {
@@ -335,7 +313,7 @@ void CompactTable::keep_orders(const std::vector<std::vector<std::vector<double>
     int rows = 0;
     each_pair([&](std::size_t p, std::size_t i, std::size_t o, double mu_sum) {
         for (std::size_t w = 0; w < wavelengths(); ++w) {
-            const double allowed = kOrderShare * options.tolerance * unit(i, o, mu_sum, w);
+            const double allowed = kShare * options.tolerance * unit(i, o, mu_sum, w);
             orders_[p] = std::max(orders_[p], int(needed_orders(series[w][p], allowed)));
         }
         first_row_[p] = rows;
@@ -355,7 +333,7 @@ void CompactTable::keep_orders(const std::vector<std::vector<std::vector<double>
         scale.segment(first_row_[p], orders_[p]).setConstant(std::isfinite(least) ? least : 0.0);
     });
     multiple_ = reduce_rank(table, std::move(scale), std::move(of_wavelength),
-                            kRankShare * options.tolerance, options.tolerance);
+                            kShare * options.tolerance, options.tolerance);
 }
 
 }  // namespace miebrdf

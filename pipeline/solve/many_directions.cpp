@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/solved_table.h"
@@ -14,28 +13,8 @@ namespace {
 /// (Error of the series) / (the largest value at the incidence) is at most this x the tolerance.
 constexpr double kSeriesShare = 0.1;
 /// Series are made from samples at azimuths 180 j / n degrees, j = 0 ... n, for the first n that is
-/// enough. Orders m >= 3n/4 are dropped: samples cannot tell them from orders 2n - m.
+/// enough (samples_to_orders).
 constexpr std::array<int, 3> kIntervals = {32, 64, 128};
-constexpr int orders_of(int intervals) { return 3 * intervals / 4; }
-
-/// Turns samples (row) into orders (column).
-Eigen::MatrixXd samples_to_orders(int n) {
-    Eigen::MatrixXd result(n + 1, orders_of(n));
-    for (int j = 0; j <= n; ++j) {
-        for (int m = 0; m < orders_of(n); ++m) {
-            result(j, m) = (m == 0 ? 1.0 : 2.0) / n * (j == 0 || j == n ? 0.5 : 1.0) *
-                           std::cos(std::numbers::pi * ((m * j) % (2 * n)) / n);
-        }
-    }
-    return result;
-}
-
-std::vector<double> cosines_of_azimuths(int n) {
-    std::vector<double> list;
-    list.reserve(std::size_t(n) + 1);
-    for (int j = 0; j <= n; ++j) list.push_back(std::cos(std::numbers::pi * j / n));
-    return list;
-}
 
 /// R of light scattered once, without the surface: row = wavelength, column = azimuth.
 Eigen::MatrixXd scattered_once(const SharpPart& part, double mu_in, double mu_out,
@@ -72,7 +51,7 @@ int intervals_for(const SharpPart& part, double tolerance) {
         }
     }
     for (const int intervals : kIntervals) {
-        if (needed < orders_of(intervals)) return intervals;
+        if (needed < resolved_orders(intervals)) return intervals;
     }
     return 0;
 }
@@ -80,7 +59,7 @@ int intervals_for(const SharpPart& part, double tolerance) {
 /// Series of light scattered once that the surface lets through, by wavelength.
 std::vector<SmoothPart> series_of(const SharpPart& part, int n, const Control& control) {
     const std::vector<double>& nodes = SmoothPart::nodes();
-    const std::size_t orders = std::size_t(orders_of(n)), count = nodes.size();
+    const std::size_t orders = std::size_t(resolved_orders(n)), count = nodes.size();
     const Eigen::MatrixXd to_orders = samples_to_orders(n);
     const std::vector<double> cos_azimuth = cosines_of_azimuths(n);
     std::vector<std::vector<double>> modes(part.wavelengths());
@@ -113,19 +92,21 @@ std::vector<SmoothPart> series_of(const SharpPart& part, int n, const Control& c
 /// worst, from retro-reflection to the horizon.
 bool are_accurate(const std::vector<SmoothPart>& series, const SharpPart& part, double tolerance,
                   const Control& control) {
-    constexpr std::size_t kSteps = SmoothPart::kNodes - 1;
+    const std::size_t steps = SmoothPart::nodes().size() - 1;
     // Below the second node values are exact (SolvedTable::instead).
     constexpr std::array<std::size_t, 11> kIncidences = {1, 2, 4, 8, 13, 19, 26, 33, 40, 45, 47};
     constexpr int kAzimuths = 15;  // divides none of kIntervals
     const std::vector<double> cos_azimuth = cosines_of_azimuths(kAzimuths);
-    const auto halfway = [](std::size_t k) { return half_sine((double(k) + 0.5) / kSteps); };
+    const auto halfway = [&](std::size_t k) {
+        return half_sine((double(k) + 0.5) / double(steps));
+    };
     std::array<char, kIncidences.size()> good = {};
     run_parallel("light scattered once", good.size(), control, [&](std::size_t i) {
         rte::SpectralFirstOrder::Scratch scratch;
         Eigen::ArrayXd error = Eigen::ArrayXd::Zero(Eigen::Index(series.size())), largest = error;
         std::vector<double> of_series, smooth;
         const double mu_in = halfway(kIncidences[i]);
-        for (std::size_t o = 0; o < kSteps; ++o) {
+        for (std::size_t o = 0; o < steps; ++o) {
             const double mu_out = halfway(o);
             const Eigen::MatrixXd once = scattered_once(part, mu_in, mu_out, cos_azimuth, scratch);
             for (std::size_t w = 0; w < series.size(); ++w) {

@@ -24,7 +24,7 @@ namespace {
 // Beyond this, moments of P S cost more than all the rest, and crowding only changes diffraction.
 constexpr double kLargestSizeParameter = 300.0;
 constexpr int kNodesPerPanel = 12;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// The integral over r from R - d to R of exp(iqr) (a / 2 (r^2 - R^2) + b (r - R)).
 std::complex<double> baxter_integral(double a, double b, double R, double d, double q) {
@@ -46,7 +46,7 @@ std::complex<double> baxter_integral(double a, double b, double R, double d, dou
 }
 
 double wave_number_per_um(const Particles& at) {
-    return 2.0e3 * kPi * at.host_index / at.wavelength_nm;
+    return 2.0e3 * pi * at.host_index / at.wavelength_nm;
 }
 
 double kd_of(const ResolvedSpecies& species, std::size_t w) {
@@ -74,14 +74,14 @@ std::vector<mie::SphereLayer> layers_of(const Particles& at, double radius_um) {
 /// sin(theta) d theta / 2.
 math::Quadrature angles_for(double kd, int degrees) {
     const double fastest = std::max({kd, double(degrees), 20.0});
-    const int panels = static_cast<int>(std::ceil(kPi * fastest / 4.0));
+    const int panels = static_cast<int>(std::ceil(pi * fastest / 4.0));
     const math::Quadrature rule = math::gauss_legendre(kNodesPerPanel, 0.0, 1.0);
     math::Quadrature all;
     for (int p = 0; p < panels; ++p) {
         for (int i = 0; i < kNodesPerPanel; ++i) {
-            const double theta = kPi * (p + rule.nodes[i]) / panels;
+            const double theta = pi * (p + rule.nodes[i]) / panels;
             all.nodes.push_back(theta);
-            all.weights.push_back(0.5 * std::sin(theta) * kPi / panels * rule.weights[i]);
+            all.weights.push_back(0.5 * std::sin(theta) * pi / panels * rule.weights[i]);
         }
     }
     return all;
@@ -121,7 +121,7 @@ std::vector<double> structure_at_angles(const std::vector<CrowdMember>& crowd, s
                                         const Structure& structure) {
     constexpr double kStep = 0.05;  // of kd times the angle: cubics then err by 1e-7
     const int intervals =
-        static_cast<int>(std::ceil(kPi * std::max(largest_kd(structure), 20.0) / kStep));
+        static_cast<int>(std::ceil(pi * std::max(largest_kd(structure), 20.0) / kStep));
     std::vector<double> degrees;
     degrees.reserve(std::size_t(intervals) + 1);
     for (int i = 0; i <= intervals; ++i) degrees.push_back(180.0 * i / intervals);
@@ -143,7 +143,7 @@ std::vector<double> structure_at_angles(const std::vector<CrowdMember>& crowd, s
             f(i, 0) = root * amplitudes[m].s1[a];
             f(i, 1) = root * amplitudes[m].s2[a];
         }
-        const double q = 2.0 * std::sin(0.5 * kPi * double(a) / intervals);
+        const double q = 2.0 * std::sin(0.5 * pi * double(a) / intervals);
         const Eigen::MatrixXcd Q = baxter_factor(structure.spheres, q);
         const Eigen::MatrixX2cd crowded = Q.adjoint().partialPivLu().solve(f);
         factors.push_back(crowded.squaredNorm() / f.squaredNorm());
@@ -229,7 +229,7 @@ double Structure::operator()(double cos_theta) const {
                              2.0 * spheres.diameter.front() * sine_of_half);
     }
     const auto intervals = static_cast<double>(at_angles.size() - 1);
-    return cubic_at(at_angles, 2.0 * std::asin(std::min(sine_of_half, 1.0)) / kPi * intervals);
+    return cubic_at(at_angles, 2.0 * std::asin(std::min(sine_of_half, 1.0)) / pi * intervals);
 }
 
 double CrowdedPhase::factor(double cos_theta) const { return structure(cos_theta) / mean; }
@@ -275,7 +275,7 @@ MediumOptics crowded(const MediumOptics& alone, const ResolvedSpecies& species, 
     whole.optics.one_minus_albedo = alone.optics.one_minus_albedo / extinction;
     whole.q_ext = alone.q_ext.value_or(0.0) * extinction;
     for (std::size_t i = 0; i < whole.phase.size(); ++i) {
-        const double factor = phase.factor(std::cos(angles_deg[i] * kPi / 180.0));
+        const double factor = phase.factor(std::cos(angles_deg[i] * pi / 180.0));
         whole.phase[i] *= factor;
         if (i < whole.phase_error.size()) whole.phase_error[i] *= factor;
     }
@@ -298,7 +298,7 @@ std::optional<double> crowding(const ResolvedMedium& medium, std::size_t w) {
     const math::Quadrature angles = angles_for(largest, static_cast<int>(2.0 * largest) + 20);
     std::vector<double> degrees, factor;
     for (const double theta : angles.nodes) {
-        degrees.push_back(theta * 180.0 / kPi);
+        degrees.push_back(theta * 180.0 / pi);
         factor.push_back(structure(std::cos(theta)));
     }
     double alone = 0.0, together = 0.0;  // of the scattering, weighted by 1 - cos

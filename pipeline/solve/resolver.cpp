@@ -47,8 +47,8 @@ double radius_of_surface_um(const Species& species, std::optional<double> of_mat
                         "density=2.5",
                         describe(species)));
     }
-    constexpr double kUmPerUnit = 1e3;  // 1 cm3/g over 1 m2/kg
-    return 3.0 * kUmPerUnit / (*density * *species.sizes.specific_surface_m2_per_kg);
+    // 1 cm3/g over 1 m2/kg is 1e3 um.
+    return 3.0e3 / (*density * *species.sizes.specific_surface_m2_per_kg);
 }
 
 /// Sizes of species that bring their optics and an extinction.

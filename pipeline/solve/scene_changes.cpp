@@ -20,13 +20,12 @@ namespace {
 // fixed nodes: the relative error is 1e-10 by the second order (1e-7 where optics vary within a
 // hundredth of the number) and 1e-11 by rounding.
 constexpr double kStep = 1e-5;
-// At the end of its range a number is changed to one side alone, with an error of first order.
+// At the end of its range a number is changed to one side alone, with an error of first order. A
+// number that is 0 (an albedo, a share, g or k) is changed by this itself.
 constexpr double kOneSidedStep = 1e-7;
 // Where indices of hosts change, whole solutions are differenced, which have fewer digits. At the
 // index of air there is one side alone, and indices closer than 1e-7 have no boundary.
 constexpr double kIndexStep = 3e-5, kOneSidedIndexStep = 1e-5;
-// The change of a number that is 0 (an albedo, a share, g or k).
-constexpr double kStepFromZero = 1e-7;
 
 /// The scene that `make` makes of a number; empty where it is out of range.
 template <typename Make>
@@ -49,7 +48,7 @@ template <typename Make>
 SceneChange around(const std::string& parameter, double value, std::size_t wavelengths,
                    const Make& make, Steps steps = {}) {
     const double scale = std::abs(value);
-    double up = scale > 0.0 ? steps.both_sides * scale : kStepFromZero, down = up;
+    double up = scale > 0.0 ? steps.both_sides * scale : kOneSidedStep, down = up;
     auto plus = possible(make, value + up), minus = possible(make, value - down);
     if (!plus && !minus) {
         throw UsageError(
@@ -57,7 +56,7 @@ SceneChange around(const std::string& parameter, double value, std::size_t wavel
                         "allowed; it is a choice, and none of these values has a derivative",
                         parameter, value));
     }
-    const double one_sided = scale > 0.0 ? steps.one_sided * scale : kStepFromZero;
+    const double one_sided = scale > 0.0 ? steps.one_sided * scale : kOneSidedStep;
     if (!plus) {
         up = 0.0;
         minus = make(value - (down = one_sided));
@@ -141,14 +140,14 @@ SceneChange change_of_index(const BrdfState& state, const std::string& parameter
         return change;
     }
     // k spans decades over a spectrum: by a share of itself, and upwards from 0.
-    change.plus = shifted({{}, 0.0, kStep, kStepFromZero});
+    change.plus = shifted({{}, 0.0, kStep, kOneSidedStep});
     change.minus = shifted({{}, 0.0, -kStep, 0.0});
     Materials materials(state.scene.database, state.scene.index, &memo);
     const Species material{.kind = Species::Kind::material, .name = index.material};
     const ResolvedIndex known =
         resolve_index(material, nm, state.scene.particles.k_floor, materials);
     for (const std::complex<double> at : known.index)
-        change.apart.push_back(at.imag() > 0.0 ? 2.0 * kStep * at.imag() : kStepFromZero);
+        change.apart.push_back(at.imag() > 0.0 ? 2.0 * kStep * at.imag() : kOneSidedStep);
     return change;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace miebrdf {
@@ -11,9 +12,10 @@ namespace {
 constexpr double kHorizon = 1e-9;
 /// (Sum of the last orders that are left out) / (sum of all orders of a pair) is at most this.
 constexpr double kNegligible = 1e-7;
-constexpr std::size_t kLanes = SmoothPart::kLanes;
 
-std::size_t whole_lanes(std::size_t orders) { return (orders + kLanes - 1) / kLanes * kLanes; }
+std::size_t whole_lanes(std::size_t orders) {
+    return (orders + math::kSeriesLanes - 1) / math::kSeriesLanes * math::kSeriesLanes;
+}
 
 /// The number of orders of a pair without the negligible last ones; all if one is NaN.
 std::size_t orders_that_matter(const double* a, std::size_t orders) {
@@ -27,6 +29,24 @@ std::size_t orders_that_matter(const double* a, std::size_t orders) {
 }
 
 }  // namespace
+
+std::vector<double> cosines_of_azimuths(int n) {
+    std::vector<double> list;
+    list.reserve(std::size_t(n) + 1);
+    for (int j = 0; j <= n; ++j) list.push_back(std::cos(std::numbers::pi * j / n));
+    return list;
+}
+
+Eigen::MatrixXd samples_to_orders(int n) {
+    Eigen::MatrixXd result(n + 1, resolved_orders(n));
+    for (int j = 0; j <= n; ++j) {
+        for (int m = 0; m < result.cols(); ++m) {
+            result(j, m) = (m == 0 ? 1.0 : 2.0) / n * (j == 0 || j == n ? 0.5 : 1.0) *
+                           std::cos(std::numbers::pi * ((m * j) % (2 * n)) / n);
+        }
+    }
+    return result;
+}
 
 const std::vector<double>& SmoothPart::nodes() {
     static const std::vector<double> cosines = [] {

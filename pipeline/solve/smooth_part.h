@@ -2,6 +2,7 @@
 // nodes and interpolation of tables over a cosine.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,6 +29,15 @@ inline std::vector<double> half_sine_nodes(std::size_t count) {
         nodes.push_back(half_sine(double(k) / double(count - 1)));
     return nodes;
 }
+
+/// Azimuths at which R is sampled for its Fourier series: cosines of 180 j / n degrees, j = 0 ...
+/// n.
+std::vector<double> cosines_of_azimuths(int n);
+/// Number of orders that these samples resolve: m < 3n/4. Orders m and 2n - m are alike at all of
+/// them, so that the highest ones have the light of orders beyond n.
+constexpr int resolved_orders(int n) { return 3 * n / 4; }
+/// Row of samples x this = row of the resolved orders a_m, R = sum_m a_m cos(m azimuth).
+Eigen::MatrixXd samples_to_orders(int n);
 
 /// Six neighbouring nodes and their Lagrange weights.
 struct SixNodes {

@@ -58,11 +58,11 @@ std::vector<SolvedWavelength> solve_wavelengths(const SolvedTable& state, int un
 
 /// The first order of all wavelengths, some at a time, in parallel.
 std::vector<SharpPart> make_sharp_parts(const SolvedTable& state, const Control& control) {
-    constexpr std::size_t kMost = SharpPart::kMostWavelengths;
+    const std::size_t most = SharpPart::kMostWavelengths;
     const std::span<const SolvedWavelength> all = state.wavelengths;
-    std::vector<std::optional<SharpPart>> made((all.size() + kMost - 1) / kMost);
+    std::vector<std::optional<SharpPart>> made((all.size() + most - 1) / most);
     run_parallel("first order", made.size(), control, [&](std::size_t p) {
-        const std::size_t first = p * kMost, count = std::min(kMost, all.size() - first);
+        const std::size_t first = p * most, count = std::min(most, all.size() - first);
         made[p].emplace(all.subspan(first, count), state.solver);
     });
     std::vector<SharpPart> parts;

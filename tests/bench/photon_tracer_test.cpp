@@ -83,14 +83,6 @@ TEST_CASE("sampling inverts the distribution of the phase function", "[bench][la
     }
 }
 
-TEST_CASE("the asymmetry of a law is the mean of its cosine", "[bench][law]") {
-    CHECK(some_law(2).asymmetry() == 0.75);
-    CHECK(some_law(1).asymmetry() == 0.0);
-    // A straight line P = 1 + x: g = 1/3.
-    CHECK(std::abs(ScatteringLaw::tabulated({-1, 0.3, 1}, {0, 1.3, 2}).asymmetry() - 1.0 / 3) <=
-          1e-15);
-}
-
 TEST_CASE("laws that no light could follow are refused", "[bench][law][errors]") {
     CHECK_THROWS_WITH(ScatteringLaw::henyey_greenstein(1.0), Catch::Contains("(-1, 1)"));
     CHECK_THROWS_AS(ScatteringLaw::tabulated({-1, 1}, {1, -1}), std::invalid_argument);

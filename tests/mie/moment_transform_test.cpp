@@ -56,6 +56,10 @@ mie::BandCovariance two_waves(int terms, int width, int n, double u, int m, doub
     return covariance;
 }
 
+std::vector<double> moments_of(const mie::BandCovariance& covariance) {
+    return mie::MomentTransform(covariance.terms(), covariance.width())(covariance);
+}
+
 }  // namespace
 
 TEST_CASE("moments of two partial waves are 3j symbols by Racah's formula", "[mie][moments]") {
@@ -63,7 +67,7 @@ TEST_CASE("moments of two partial waves are 3j symbols by Racah's formula", "[mi
     const bool minus = GENERATE(false, true);
     const double u = 0.7, v = -0.4;
     const int width = n + m;
-    const auto sums = mie::moments_from_covariance(two_waves(20, width, n, u, m, v, minus));
+    const auto sums = moments_of(two_waves(20, width, n, u, m, v, minus));
     const auto sign = [minus](int parity) { return minus && parity % 2 != 0 ? -1.0 : 1.0; };
     for (int l = 0; l <= width; ++l) {
         const double truth =
@@ -81,12 +85,12 @@ TEST_CASE("3j symbols of the transform sum to one", "[mie][moments]") {
     // sum (2l+1) chi_l is the square of the sum of waves.
     const int n = GENERATE(1, 30, 300), m = GENERATE(2, 31, 320);
     const double u = 0.3, v = 0.5;
-    const auto sums = mie::moments_from_covariance(two_waves(320, n + m, n, u, m, v, false));
+    const auto sums = moments_of(two_waves(320, n + m, n, u, m, v, false));
     double forward = 0;
     for (int l = 0; l <= n + m; ++l) forward += (2 * l + 1) * sums[l];
     // A pair of equal orders n = m reaches l = 2 n, beyond n + m when that is the larger one.
     const int width = 2 * std::max(n, m);
-    const auto all = mie::moments_from_covariance(two_waves(320, width, n, u, m, v, false));
+    const auto all = moments_of(two_waves(320, width, n, u, m, v, false));
     double whole = 0;
     for (int l = 0; l <= width; ++l) whole += (2 * l + 1) * all[l];
     const double amplitude = (2 * n + 1) * u + (2 * m + 1) * v;

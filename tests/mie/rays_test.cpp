@@ -56,7 +56,8 @@ Truth sampled(const mie::Ensemble& problem, int width, int count, double offset)
     const double extinguished = sums.spheres.scattered + sums.spheres.absorbed;
     truth.q_ext = 2 * extinguished / problem.share;
     truth.one_minus_albedo = sums.spheres.absorbed / extinguished;
-    truth.chi = mie::moments_from_covariance(sums.covariance);
+    truth.chi =
+        mie::MomentTransform(sums.covariance.terms(), sums.covariance.width())(sums.covariance);
     const double whole = truth.chi[0];
     for (double& chi : truth.chi) chi /= whole;
     return truth;

@@ -29,9 +29,6 @@ class ScatteringLaw {
     /// cos Theta below which the fraction `u` in (0, 1) of the light is scattered.
     double sample(double u) const;
 
-    /// Mean of cos Theta.
-    double asymmetry() const;
-
   private:
     enum class Kind { isotropic, rayleigh, henyey_greenstein, tabulated };
     explicit ScatteringLaw(Kind kind) : kind_(kind) {}

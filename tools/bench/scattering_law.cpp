@@ -103,16 +103,4 @@ double ScatteringLaw::sample(double u) const {
     return std::clamp(x, -1.0, 1.0);
 }
 
-double ScatteringLaw::asymmetry() const {
-    if (kind_ != Kind::tabulated) return g_;
-    double sum = 0;
-    for (std::size_t i = 1; i < cos_theta_.size(); ++i) {
-        const double a = cos_theta_[i - 1], b = cos_theta_[i];
-        // Integral of x times a linear function, by Simpson's rule, which is exact for it.
-        sum += (b - a) / 6 *
-               (a * value_[i - 1] + (a + b) * (value_[i - 1] + value_[i]) + b * value_[i]);
-    }
-    return sum / 2;
-}
-
 }  // namespace miebrdf::bench
