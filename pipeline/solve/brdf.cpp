@@ -150,11 +150,10 @@ AlbedoValues albedo_values(std::vector<LayerSlice> layers, const ResolvedScene& 
         if (solver.stokes > 1)
             values.polarised_plane_albedo.push_back(std::move(layer.polarised_plane_albedo));
         if (!scene.substrate || scene.surface) continue;
-        const auto spherical = layer.transmittance.begin() + std::ptrdiff_t(mu_in.size());
-        values.spherical_transmittance.push_back(*spherical);
-        values.unscattered_transmittance.emplace_back(spherical + 1, layer.transmittance.end());
-        layer.transmittance.resize(mu_in.size());
+        values.spherical_transmittance.push_back(layer.transmittance.back());
+        layer.transmittance.pop_back();
         values.plane_transmittance.push_back(std::move(layer.transmittance));
+        values.unscattered_transmittance.push_back(std::move(layer.unscattered_transmittance));
     }
     return values;
 }
@@ -191,14 +190,15 @@ Numbers slope(const Numbers& plus, const Numbers& minus, double apart) {
     return result;
 }
 
+/// The lists of a slice that have derivatives by numbers of the scene.
+constexpr Numbers LayerSlice::*kListsWithSlopes[] = {
+    &LayerSlice::values, &LayerSlice::transmittance, &LayerSlice::unscattered_transmittance,
+    &LayerSlice::mirror_reflectance, &LayerSlice::polarised_plane_albedo};
+
 /// The layers with a number of the scene changed by `step`.
 LayerSlice moved(const LayerSlice& values, const LayerSlice& slope, double step) {
     LayerSlice result;
-    result.values = moved(values.values, slope.values, step);
-    result.transmittance = moved(values.transmittance, slope.transmittance, step);
-    result.mirror_reflectance = moved(values.mirror_reflectance, slope.mirror_reflectance, step);
-    result.polarised_plane_albedo =
-        moved(values.polarised_plane_albedo, slope.polarised_plane_albedo, step);
+    for (const auto list : kListsWithSlopes) result.*list = moved(values.*list, slope.*list, step);
     return result;
 }
 
@@ -369,12 +369,8 @@ WithDerivatives<AlbedoValues> BrdfDerivatives::albedo(const std::vector<double>&
                     return layer;
                 });
             const double apart = change.apart[w];
-            whole[w].values = slope(plus.values, minus.values, apart);
-            whole[w].transmittance = slope(plus.transmittance, minus.transmittance, apart);
-            whole[w].mirror_reflectance =
-                slope(plus.mirror_reflectance, minus.mirror_reflectance, apart);
-            whole[w].polarised_plane_albedo =
-                slope(plus.polarised_plane_albedo, minus.polarised_plane_albedo, apart);
+            for (const auto list : kListsWithSlopes)
+                whole[w].*list = slope(plus.*list, minus.*list, apart);
         });
         AlbedoValues& derivative = all.derivatives.emplace_back(
             albedo_values(std::move(whole), brdf.resolved, mu_in, brdf.solver));

@@ -294,9 +294,7 @@ class WavelengthDerivatives {
             slice.values.push_back(table.spherical_albedo);
             slice.transmittance = std::move(table.transmittance);
             slice.transmittance.resize(slice.values.size(), 0.0);
-            slice.transmittance.insert(slice.transmittance.end(),
-                                       table.unscattered_transmittance.begin(),
-                                       table.unscattered_transmittance.end());
+            slice.unscattered_transmittance = std::move(table.unscattered_transmittance);
             slice.polarised_plane_albedo = std::move(table.polarised_plane_albedo);
             slice.mirror_reflectance = std::move(table.mirror_reflectance);
         }

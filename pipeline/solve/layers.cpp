@@ -57,7 +57,8 @@ LayerSlice without_work(const char* method) {
 LayerSlice lossless(std::size_t incidences) {
     LayerSlice slice = without_work("closed form of layers that absorb nothing");
     slice.values.assign(incidences + 1, 1.0);
-    slice.transmittance.assign(2 * incidences + 1, 0.0);
+    slice.transmittance.assign(incidences + 1, 0.0);
+    slice.unscattered_transmittance.assign(incidences, 0.0);
     slice.polarised_plane_albedo.assign(incidences, 0.0);
     return slice;
 }
@@ -71,8 +72,10 @@ LayerSlice black(const LayerRequest& request) {
         slice.values.assign(d.mu_in.size() * d.mu_out.size() * d.azimuth_deg.size(), 0.0);
         slice.plane_albedo.assign(d.mu_in.size(), 0.0);
     } else {
+        const double passed = request.scene.substrate ? 1.0 : 0.0;
         slice.values.assign(d.mu_in.size() + 1, 0.0);
-        slice.transmittance.assign(2 * d.mu_in.size() + 1, request.scene.substrate ? 1.0 : 0.0);
+        slice.transmittance.assign(d.mu_in.size() + 1, passed);
+        slice.unscattered_transmittance.assign(d.mu_in.size(), passed);
         slice.polarised_plane_albedo.assign(d.mu_in.size(), 0.0);
     }
     return slice;
@@ -184,8 +187,7 @@ double solve_albedos(const LayerRequest& request, const SceneOptics& optics, std
     // Nothing comes through a half-space.
     slice.transmittance.resize(slice.values.size(), 0.0);
     remove_rounding(slice.transmittance);
-    slice.transmittance.insert(slice.transmittance.end(), table.unscattered_transmittance.begin(),
-                               table.unscattered_transmittance.end());
+    slice.unscattered_transmittance = std::move(table.unscattered_transmittance);
     slice.mirror_reflectance = std::move(table.mirror_reflectance);
     slice.report.solver = table.report;
     return table.report.error_estimate;
@@ -229,12 +231,13 @@ bool wants_finer_sizes(const WavelengthReport& report, double tolerance) {
 }
 
 std::vector<double> packed(const LayerSlice& slice) {
-    const auto& [values, plane_albedo, transmittance, mirror_reflectance, polarised, report] =
-        slice;
+    const auto& [values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
+                 report] = slice;
     return NumberPacker()
         .add(values)
         .add(plane_albedo)
         .add(transmittance)
+        .add(unscattered)
         .add(mirror_reflectance)
         .add(polarised)
         .add(report)
@@ -244,10 +247,12 @@ std::vector<double> packed(const LayerSlice& slice) {
 LayerSlice unpacked(const std::vector<double>& numbers) {
     NumberUnpacker unpacker(numbers);
     LayerSlice slice;
-    auto& [values, plane_albedo, transmittance, mirror_reflectance, polarised, report] = slice;
+    auto& [values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
+           report] = slice;
     unpacker.read(values);
     unpacker.read(plane_albedo);
     unpacker.read(transmittance);
+    unpacker.read(unscattered);
     unpacker.read(mirror_reflectance);
     unpacker.read(polarised);
     unpacker.read(report);
@@ -336,27 +341,20 @@ class LayerPasses {
 
 LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity) {
     if (quantity == LayerQuantity::mueller || distinct.are_all()) return slice;
-    LayerSlice all;
-    all.report = slice.report;
     if (quantity == LayerQuantity::reflection) {
-        all.values = distinct.spread(slice.values);
-        if (!slice.plane_albedo.empty())  // derivatives have none
-            all.plane_albedo = distinct.spread_incident(slice.plane_albedo);
+        slice.values = distinct.spread(slice.values);
     } else {
-        all.values = distinct.spread_incident(slice.values);
-        all.values.push_back(slice.values.back());  // the spherical albedo
-        all.transmittance = distinct.spread_incident(slice.transmittance);
-        const auto spherical =
-            slice.transmittance.begin() + std::ptrdiff_t(slice.values.size()) - 1;
-        all.transmittance.push_back(*spherical);
-        for (const double t : distinct.spread_incident({spherical + 1, slice.transmittance.end()}))
-            all.transmittance.push_back(t);
+        for (auto* list : {&slice.values, &slice.transmittance}) {
+            const double of_uniform_light = list->back();
+            *list = distinct.spread_incident(*list);
+            list->push_back(of_uniform_light);
+        }
     }
-    if (!slice.mirror_reflectance.empty())
-        all.mirror_reflectance = distinct.spread_incident(slice.mirror_reflectance);
-    if (!slice.polarised_plane_albedo.empty())
-        all.polarised_plane_albedo = distinct.spread_incident(slice.polarised_plane_albedo);
-    return all;
+    for (auto* list : {&slice.plane_albedo, &slice.unscattered_transmittance,
+                       &slice.mirror_reflectance, &slice.polarised_plane_albedo}) {
+        if (!list->empty()) *list = distinct.spread_incident(*list);
+    }
+    return slice;
 }
 
 bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,

@@ -61,15 +61,19 @@ struct LayerJobs {
 LayerJobs list_layer_jobs(const LayerRequest& request);
 
 struct LayerSlice {
-    /// R at the directions, laid out as BrdfValues::Slice, or albedos as said above.
+    /// The quantity itself. R and Mueller matrices at the directions, laid out as
+    /// BrdfValues::Slice; of albedos, the plane albedo at each mu_in, then the spherical albedo.
     std::vector<double> values;
-    std::vector<double> plane_albedo;  ///< at mu_in, with `reflection` and `mueller` too
-    /// Net flux into the substrate, at mu_in and of uniform light, then the part of it that is
-    /// unscattered at mu_in, for `albedo`.
+    /// At mu_in, beside `reflection` and `mueller`.
+    std::vector<double> plane_albedo;
+    /// Of `albedo`: net flux into the substrate over the incident flux, at each mu_in, then of
+    /// uniform light.
     std::vector<double> transmittance;
+    /// Of `albedo`: the part of the transmittance that is not scattered, at each mu_in.
+    std::vector<double> unscattered_transmittance;
     std::vector<double> mirror_reflectance;  ///< at mu_in (matrices with `mueller`); empty: none
-    /// At mu_in, with polarisation: what plane_albedo changes by for light polarised in the plane
-    /// of incidence. Empty: not computed.
+    /// Change of the plane albedo at mu_in for light that is polarised in the plane of incidence.
+    /// Empty: not computed.
     std::vector<double> polarised_plane_albedo;
     WavelengthReport report;
 };

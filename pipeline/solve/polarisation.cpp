@@ -21,28 +21,31 @@
 namespace miebrdf {
 namespace {
 
-/// Polarisation is left out where the change d that a comparison finds meets
+/// d is the largest relative change of the requested values when polarisation is left out. It is
+/// left out where
 ///     kMargin d <= allowed.
-/// A comparison looks at fewer sizes (averages to a tolerance of kCoarse), nodes, directions and
-/// wavelengths than the values have; d is off by a factor of 1.7 at most in 160 random scenes
-/// (tools/bench/left_out_polarisation.py, class mixed).
+/// The margin is there because d is estimated with fewer sizes (averaged to kCoarse), nodes,
+/// directions and wavelengths than were requested: in 160 random scenes it was wrong by a factor
+/// of at most 1.7 (tools/bench/left_out_polarisation.py, class mixed).
 constexpr double kMargin = 2.0;
 constexpr double kCoarse = 1e-2;
 constexpr int kStreamsCompared = 12;
 constexpr std::size_t kMostCosines = 8, kMostWavelengths = 7;
 
-/// What the scattering matrices of large spheres may take at a wavelength where polarisation shows.
-/// Solving for numbers takes .01 to .1 s.
+/// Longest time, in seconds at one wavelength, for scattering matrices of large spheres. Where they
+/// take longer, polarisation is left out although it shows: without it a solution takes 0.01 to
+/// 0.1 s.
 constexpr double kBearableSeconds = 0.5;
 
-/// Unpolarised light must be scattered twice before polarisation shows in its intensity. Without
-/// boundaries d is at most this times the albedo times the mean of b1^2 over the sphere: 0.2 to 1.1
-/// in the cases of docs/polarisation.md.
+/// Without boundaries d <= kChangePerPolarisation x albedo x (mean of b1^2 over the sphere): the
+/// first scattering polarises the light by b1, and the second one turns this into a change of
+/// intensity by b1 once more. The factor is 0.2 to 1.1 in the cases of docs/polarisation.md.
 constexpr double kChangePerPolarisation = 1.5;
 
-/// From this size parameter on kPromisedWithoutPolarisation is allowed.
+/// Size parameter from which on d may be kPromisedWithoutPolarisation instead of the tolerance.
 constexpr double kLargeEnough = 3.0;
-/// Changes of fluxes count against this part of the incident flux at least.
+/// Changes of fluxes are relative to the flux, or to this part of the incident flux if that is
+/// larger.
 constexpr double kLeastFlux = 0.1;
 
 bool polarises(const ResolvedSpecies& species, std::size_t w) {
@@ -51,7 +54,8 @@ bool polarises(const ResolvedSpecies& species, std::size_t w) {
     return optics.polarisation && optics.single_scattering_albedo > 0.0;
 }
 
-/// Size parameters of the species that polarise; molecules: 0. Infinite and 0: none does.
+/// Smallest and largest size parameter of the species that polarise; molecules count as 0. Where no
+/// species polarises: infinity and 0.
 struct SizeSpan {
     double finest = std::numeric_limits<double>::infinity();
     double coarsest = 0.0;
@@ -59,8 +63,8 @@ struct SizeSpan {
 
 SizeSpan polarising_sizes(const ResolvedScene& scene, std::size_t w) {
     SizeSpan span;
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-        for (const ResolvedSpecies& species : scene.media[m].species) {
+    for (const ResolvedMedium& medium : scene.present_media()) {
+        for (const ResolvedSpecies& species : medium.species) {
             if (!polarises(species, w)) continue;
             const double x = species.needs_mie() ? size_parameter(species, w) : 0.0;
             span.finest = std::min(span.finest, x);
@@ -70,12 +74,13 @@ SizeSpan polarising_sizes(const ResolvedScene& scene, std::size_t w) {
     return span;
 }
 
-/// Small spheres mostly polarise. Whether there is a medium of which they are most, by projected
-/// area: a little soot does not show beside grains of ice.
+/// Whether spheres below kLargeEnough, which polarise strongly, have more than half of the
+/// projected area in any medium. The area decides because a little soot does not show beside grains
+/// of ice.
 bool is_of_small_spheres(const ResolvedScene& scene, std::size_t w) {
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
+    for (const ResolvedMedium& medium : scene.present_media()) {
         double small = 0.0, all = 0.0;
-        for (const ResolvedSpecies& species : scene.media[m].species) {
+        for (const ResolvedSpecies& species : medium.species) {
             if (!polarises(species, w)) continue;
             const bool is_sphere = species.needs_mie();
             const double area =
@@ -103,8 +108,8 @@ bool takes_long(const LayerRequest& request, std::size_t w) {
     const OpticsDemand demand =
         demand_of(request.solver, scene.particles.tolerance, phase_demand(request.quantity));
     double seconds = 0.0;
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-        for (const ResolvedSpecies& species : scene.media[m].species) {
+    for (const ResolvedMedium& medium : scene.present_media()) {
+        for (const ResolvedSpecies& species : medium.species) {
             if (species.needs_mie() && polarises(species, w))
                 seconds += matrix_seconds(species, w, demand);
         }
@@ -122,15 +127,15 @@ bool has_named_method(const SolverOptions& solver) {
            solver.coat_method != rte::CoatMethod::automatic;
 }
 
-/// Light may meet two of Fresnel's surfaces without being scattered in between: what one polarises
-/// shows at the other, whatever the layers do.
+/// Whether light may meet two Fresnel surfaces without being scattered in between. The first one
+/// polarises it, and the second one then reflects another part of it, whatever the layers do.
 bool has_two_surfaces(const ResolvedScene& scene) {
     return scene.boundary && (scene.substrate == Substrate::Kind::mirror ||
                               scene.substrate == Substrate::Kind::none ||
                               scene.media.size() > scene.first_medium() + 1);
 }
 
-/// Evenly spaced, the first and the last among them.
+/// At most `most` elements of a list, evenly spaced, with the first and the last one.
 template <typename T>
 std::vector<T> some_of(const std::vector<T>& list, std::size_t most) {
     if (list.size() <= most) return list;
@@ -139,8 +144,8 @@ std::vector<T> some_of(const std::vector<T>& list, std::size_t most) {
     return some;
 }
 
-/// Relative to the largest value of each of `blocks` equal blocks (incidences), but to no less than
-/// `least`. Where one is not a number nothing is known: all of it may change.
+/// The largest |without - with| over the largest |with| of the same incidence, or over `least` if
+/// that is larger; the incidences are `blocks` equal blocks. kNotCompared where a value is NaN.
 double largest_change(const rte::LightComparison& values, std::size_t blocks, double least) {
     double largest = 0.0;
     const std::size_t size = values.with.size() / std::max<std::size_t>(1, blocks);
@@ -148,7 +153,7 @@ double largest_change(const rte::LightComparison& values, std::size_t blocks, do
         double change = 0.0, scale = least;
         for (std::size_t k = b * size; k < (b + 1) * size; ++k) {
             const double difference = std::abs(values.without[k] - values.with[k]);
-            if (std::isnan(difference)) return 1.0;
+            if (std::isnan(difference)) return kNotCompared;
             change = std::max(change, difference);
             scale = std::max(scale, std::abs(values.with[k]));
         }
@@ -157,7 +162,7 @@ double largest_change(const rte::LightComparison& values, std::size_t blocks, do
     return largest;
 }
 
-/// Albedo times the mean of b1^2 over the sphere.
+/// Albedo times the mean of b1^2 over the sphere, sum_l b1_l^2 / (2l + 1).
 double mean_square_b1(const rte::Optics& optics) {
     if (!optics.polarisation) return 0.0;
     double sum = 0.0;
@@ -175,8 +180,8 @@ double bound_without_boundaries(const rte::Stack& stack) {
     return kChangePerPolarisation * largest;
 }
 
-/// The change of the values asked for by leaving polarisation out: the bound by the media alone
-/// where that is enough, else twice solved with few nodes, in some of the directions.
+/// d at one wavelength: bound_without_boundaries where that is small enough, else the difference of
+/// two solutions, with and without polarisation, at some of the directions and with few nodes.
 double change_found(const LayerRequest& request, double allowed, const rte::Stack& stack,
                     rte::SolutionMemory& memory) {
     const double bound = bound_without_boundaries(stack);
@@ -195,9 +200,9 @@ double change_found(const LayerRequest& request, double allowed, const rte::Stac
     return largest_change(fluxes, fluxes.with.size(), kLeastFlux);
 }
 
-/// The same of light that mirrors, the bottom of a film or steps between hosts send back through a
-/// rough boundary, most of it without being scattered. Facets are tilted by up to about twice the
-/// rms slope, by which the cosines at a smooth boundary differ.
+/// d of the light that mirrors, the lower side of a film or steps between hosts send back through a
+/// rough boundary, most of it without being scattered. It is computed for a smooth boundary, at the
+/// cosines that the facets see: they are tilted by up to about twice the rms slope.
 double change_of_mirrored(const rte::Stack& smooth, const Directions& directions,
                           double roughness) {
     constexpr double kLeastMu = 0.05;
@@ -217,9 +222,9 @@ double change_of_mirrored(const rte::Stack& smooth, const Directions& directions
     return largest_change({numbers, matrices}, cosines.size(), kLeastJudgedFlux);
 }
 
-/// change_found at some wavelengths, by scattering matrices of few sizes, of spheres of
-/// kLargestOwnMatrix in place of larger ones. A smooth boundary stands in for a rough one, below
-/// which only numbers can be computed.
+/// d at some wavelengths. Sizes are averaged to kCoarse, and spheres of kLargestOwnMatrix stand in
+/// for larger ones, because scattering matrices of these take long. A smooth boundary stands in for
+/// a rough one, below which only unpolarised light can be computed.
 std::vector<double> changes_found(const LayerRequest& request,
                                   const std::vector<std::size_t>& wavelengths,
                                   const Control& control) {
@@ -247,15 +252,14 @@ std::vector<double> changes_found(const LayerRequest& request,
 }
 
 bool has_crowded(const ResolvedScene& scene) {
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-        for (const ResolvedSpecies& species : scene.media[m].species) {
-            if (species.crowded) return true;
-        }
-    }
-    return false;
+    const auto media = scene.present_media();
+    return std::any_of(media.begin(), media.end(), [](const ResolvedMedium& medium) {
+        return std::any_of(medium.species.begin(), medium.species.end(),
+                           [](const ResolvedSpecies& species) { return species.crowded; });
+    });
 }
 
-/// Light is computed as a number, and nothing tells what that changes.
+/// Whether only unpolarised light can be computed, so that d cannot be estimated either.
 bool cannot_be_compared(const LayerRequest& request) {
     return request.scene.surface || has_named_method(request.solver) || has_crowded(request.scene);
 }

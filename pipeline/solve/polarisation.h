@@ -18,7 +18,7 @@ namespace miebrdf {
 /// to be beyond that says so (ResultReport::polarisation) and is not converged.
 inline constexpr double kPromisedWithoutPolarisation = 6e-3;
 
-/// LightChoice::left_out where nothing tells.
+/// LightChoice::left_out where the change is not known: all of a value may change.
 inline constexpr double kNotCompared = 1.0;
 
 /// How light is computed at one wavelength.

@@ -110,8 +110,8 @@ bool refracts(const ResolvedScene& scene) {
     const auto is_step = [](double n) { return std::abs(n - 1.0) >= rte::kLeastIndexStep; };
     for (std::size_t w = 0; w < scene.wavelength_nm.size(); ++w) {
         if (is_step(scene.top_index(w))) return true;
-        for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m)
-            if (is_step(scene.media[m].host_index[w])) return true;
+        for (const ResolvedMedium& medium : scene.present_media())
+            if (is_step(medium.host_index[w])) return true;
     }
     return false;
 }
@@ -146,12 +146,12 @@ void resolve_boundary(const Scene& scene, Resolver& resolver, ResolvedScene& res
     if (!top_host(scene).name.empty())
         resolved.boundary->matrices = rte::BoundaryMatrices::interpolated;
     for (std::size_t w = 0; w < resolved.wavelength_nm.size(); ++w) {
-        for (std::size_t m = resolved.first_medium(); m < resolved.media.size(); ++m) {
-            const double index = resolved.media[m].host_index[w];
+        for (const ResolvedMedium& medium : resolved.present_media()) {
+            const double index = medium.host_index[w];
             if (index >= rte::kLeastIndex && index <= rte::kLargestIndex) continue;
             throw UsageError(fmt::format(
                 "boundary: the host of '{}' has the index {:.4g} at {} nm; allowed: 1 to 3",
-                describe(resolved.media[m].medium), index, resolved.wavelength_nm[w]));
+                describe(medium.medium), index, resolved.wavelength_nm[w]));
         }
     }
     smooth_out_air(scene, resolver, resolved);
@@ -238,8 +238,7 @@ void ResolvedScene::add_to(JobKey& key, std::size_t wavelength) const {
     key.add(substrate).add(boundary);
     if (has_optical_steps()) {
         key.add(scene_host_index[wavelength]);
-        for (std::size_t i = first_medium(); i < media.size(); ++i)
-            key.add(media[i].host_index[wavelength]);
+        for (const ResolvedMedium& medium : present_media()) key.add(medium.host_index[wavelength]);
     }
     if (!mirror_index.empty()) key.add(mirror_index[wavelength]);
     if (substrate) key.add(ground_albedo[wavelength]);

@@ -8,6 +8,7 @@
 #include <complex>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -126,6 +127,10 @@ struct ResolvedScene {
     std::size_t layers() const { return depths.size(); }
     /// The lowest medium that there is: 0, or 1 on a substrate.
     std::size_t first_medium() const { return substrate ? 1 : 0; }
+    /// The media that there are, from the lowest one up.
+    std::span<const ResolvedMedium> present_media() const {
+        return std::span(media).subspan(first_medium());
+    }
     /// Whether indices of hosts matter to transfer.
     bool has_optical_steps() const { return boundary || substrate == Substrate::Kind::mirror; }
     /// Index under the air, as the boundary sees it; 1 without one.

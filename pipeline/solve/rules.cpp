@@ -69,8 +69,8 @@ bool scatters_nothing(const ResolvedMedium& medium) {
 
 int most_fourier_orders(const ResolvedScene& scene) {
     int most = 0;
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m) {
-        const auto& given = scene.media[m].species.front().given;
+    for (const ResolvedMedium& medium : scene.present_media()) {
+        const auto& given = medium.species.front().given;
         const int orders = given ? given->most_fourier_orders() : 0;
         if (orders == 0) return 0;
         most = std::max(most, orders);

@@ -226,8 +226,7 @@ void require_computable(const ResolvedScene& scene, const SolverOptions& solver,
         if (depth.reference) require(*depth.reference, 0);
     }
     demand.polarisation = solver.stokes > 1;
-    for (std::size_t m = scene.first_medium(); m < scene.media.size(); ++m)
-        require(scene.media[m], w);
+    for (const ResolvedMedium& medium : scene.present_media()) require(medium, w);
     rte::validate(stack_of(scene, 0, scene.media.size(), w, [](std::size_t) -> rte::Coat {
         return {rte::isotropic_optics(1.0), 1.0};
     }));

@@ -228,8 +228,8 @@ void note_mirrors(const ResolvedScene& scene, Provenance& provenance) {
     // Unscattered light comes back from mirrors, from the lower side of free films, and from steps
     // of the host's index.
     bool has_steps = n > 1.0 && scene.substrate == Substrate::Kind::none;
-    for (std::size_t m = scene.first_medium(); scene.boundary && m < scene.media.size(); ++m)
-        has_steps = has_steps || scene.media[m].host_index[at] != n;
+    for (const ResolvedMedium& medium : scene.present_media())
+        has_steps = has_steps || (scene.boundary && medium.host_index[at] != n);
     const bool has_mirror = scene.substrate == Substrate::Kind::mirror;
     if (!has_mirror && !has_steps) return;
     provenance.left_out += fmt::format(

@@ -71,8 +71,7 @@ std::set<std::string> mie_jobs(const Sweep& sweep, std::size_t scene) {
         for (const ResolvedSpecies& species : medium.species)
             jobs.insert(species.key.begin(), species.key.end());
     };
-    for (std::size_t m = resolved.first_medium(); m < resolved.media.size(); ++m)
-        add(resolved.media[m]);
+    for (const ResolvedMedium& medium : resolved.present_media()) add(medium);
     for (const ResolvedDepth& depth : resolved.depths) {
         if (depth.reference) add(*depth.reference);
     }

@@ -73,7 +73,7 @@ struct ScaledMedium {
     Optics exact;
     ScaledOptics scaled;
     double scaled_optical_depth = 0.0;  ///< tau', by delta-M; infinite for a half-space
-    /// Degrees beyond delta-M; without structure where there is nothing to correct.
+    /// Degrees that delta-M cuts off: the forward peak, and narrow structure (glory, bows) if any.
     ForwardPeak narrow = {};
     double index = 1.0;  ///< refractive index as far as boundaries see it: 1 where there is none
     /// Shares of degrees that the nodes do not resolve near retro-reflection, [degree][angle of
