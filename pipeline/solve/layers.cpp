@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include <miebrdf/surface.h>
 #include "pipeline/cache/job_key.h"
@@ -230,34 +231,18 @@ bool wants_finer_sizes(const WavelengthReport& report, double tolerance) {
            2.0 * report.phase_noise.largest > kPhaseShare * tolerance;
 }
 
-std::vector<double> packed(const LayerSlice& slice) {
-    const auto& [values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
-                 report] = slice;
-    return NumberPacker()
-        .add(values)
-        .add(plane_albedo)
-        .add(transmittance)
-        .add(unscattered)
-        .add(mirror_reflectance)
-        .add(polarised)
-        .add(report)
-        .take();
+}  // namespace
+
+/// What the cache stores of a slice.
+template <Is<LayerSlice> T>
+auto fields(T& value) {
+    auto& [values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
+           report] = value;
+    return std::tie(values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
+                    report);
 }
 
-LayerSlice unpacked(const std::vector<double>& numbers) {
-    NumberUnpacker unpacker(numbers);
-    LayerSlice slice;
-    auto& [values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
-           report] = slice;
-    unpacker.read(values);
-    unpacker.read(plane_albedo);
-    unpacker.read(transmittance);
-    unpacker.read(unscattered);
-    unpacker.read(mirror_reflectance);
-    unpacker.read(polarised);
-    unpacker.read(report);
-    return slice;
-}
+namespace {
 
 /// The jobs of a request and their solutions, which several passes fill in.
 class LayerPasses {
@@ -279,7 +264,7 @@ class LayerPasses {
             if (jobs_[j].closed_form) {
                 solved_[j] = lossless(request_.directions.mu_in.size());
             } else if (control_.cache != nullptr && (known = control_.cache->find(jobs_[j].hash))) {
-                solved_[j] = unpacked(*known);
+                NumberUnpacker(*known).read(solved_[j]);
             } else {
                 missing.push_back(j);
             }
@@ -309,7 +294,7 @@ class LayerPasses {
             wants_more[i] = demand.highest_moment < whole.highest_moment &&
                             lacks_moments(request_, demand, slice.report, optics[i].stack);
             if (control_.cache != nullptr && !wants_more[i])
-                control_.cache->store(job.hash, packed(slice));
+                control_.cache->store(job.hash, NumberPacker().add(slice).take());
         });
         std::vector<std::size_t> left;
         for (std::size_t i = 0; i < jobs.size(); ++i) {
