@@ -16,13 +16,14 @@
 
 namespace miebrdf::materials {
 
-extern const FileFormat kSopra, kTfcalc, kRefractiveIndexInfo, kCsv, kImd, kSpd, kAtrri;
+extern const FileFormat kOpenMaterial, kSopra, kTfcalc, kRefractiveIndexInfo, kCsv, kImd, kSpd,
+    kAtrri;
 
 namespace {
 
 // In the order in which contents are tried: the formats that are easiest to tell apart come first.
 constexpr const FileFormat* kFormats[] = {
-    &kRefractiveIndexInfo, &kTfcalc, &kImd, &kCsv, &kSopra, &kSpd, &kAtrri,
+    &kOpenMaterial, &kRefractiveIndexInfo, &kTfcalc, &kImd, &kCsv, &kSopra, &kSpd, &kAtrri,
 };
 
 // The format that has pairs of files with this ending, and what both their paths begin with.

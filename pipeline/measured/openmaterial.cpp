@@ -32,8 +32,9 @@ Measurements read_openmaterial(const MeasuredFile& file, const MeasuredOptions& 
         const nlohmann::json root = nlohmann::json::parse(file.content);
         if (!root.contains("brdf")) {
             refuse(file, 0,
-                   "an OpenMATERIAL file without a look-up table of a BRDF. Its parameters, "
-                   "refractive indices and emissivities are no measurements");
+                   "an OpenMATERIAL file without a look-up table of a BRDF. Its parameters and "
+                   "emissivities are no measurements; its refractive indices are read by `miebrdf "
+                   "materials import`");
         }
         list.samples = {root.value("metadata", nlohmann::json::object()).value("name", "table")};
         for (const nlohmann::json& row : root.at("brdf").at("lookupTable")) {

@@ -182,6 +182,35 @@ TEST_CASE("atrri: three columns, read when they are asked for", "[materials][imp
                       Catch::Contains("x.atrri:1: 2 columns"));
 }
 
+TEST_CASE("OpenMATERIAL: metres, one temperature, rows or pairs", "[materials][import]") {
+    const std::string text = GENERATE(
+        "{\n\t\"metadata\": {\"name\": \"metal\"},\n\t\"opticalProperties\": [\n"
+        "[4e-07, 297, 1.5, 2.0],\n[5e-07, 297, 1.25, 3.0]]}",
+        "{\"asset\": {\"version\": \"2.0\"}, \"extensions\": {\"OpenMaterial_ior_data\": {\n"
+        "\"297\": {\"n\": [[4.000e-07, 1.5], [5e-07, 1.25]],\n"
+        "\"k\": [[4.000e-07, 2.000e+00], [5e-07, 3.0]]}}}}");
+    CAPTURE(text);
+    REQUIRE(recognise(text) != nullptr);
+    CHECK(recognise(text)->name == std::string("openmaterial"));
+    const Dataset d = read("openmaterial", text, "x.xompt");
+    REQUIRE(d.n->x.size() == 2);
+    CHECK(d.n->x[0] == Approx(400).epsilon(1e-14));
+    CHECK(d.n->x[1] == Approx(500).epsilon(1e-14));
+    CHECK(d.n->y == Numbers{1.5, 1.25});
+    CHECK(d.k->y == Numbers{2, 3});
+    CHECK(d.temperature_k == 297.0);
+    std::string two = text;
+    two.replace(two.find("3.0]"), 4,
+                text.find("optical") != std::string::npos
+                    ? "3.0], [6e-07, 350, 1, 1]"
+                    : "3.0]]}, \"350\": {\"n\": [[6e-07, 1]], \"k\": [[6e-07, 1]");
+    CHECK_THROWS_WITH(read("openmaterial", two, "x.xompt"),
+                      Catch::Contains("2 temperatures, from 297 to 350 K"));
+    std::string bad = text;
+    bad.replace(bad.find("1.25"), 4, "\"x\"");
+    CHECK_THROWS_WITH(read("openmaterial", bad, "x.xompt"), Catch::Contains("'x'"));
+}
+
 TEST_CASE("formats are known by name, and an unknown name lists them all", "[materials][import]") {
     std::string refusal;
     try {
