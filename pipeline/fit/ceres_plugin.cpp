@@ -165,9 +165,7 @@ Minimum solve(const LeastSquares& problem) {
         ceres::Solver::Options options;
         options.linear_solver_type = ceres::DENSE_QR;
         options.max_num_iterations = left;
-        // Of the sum of squares: a thousandth of a sigma in each unknown is less than anybody
-        // reads.
-        options.function_tolerance = 1e-8;
+        options.function_tolerance = problem.least_gain;
         options.parameter_tolerance = 1e-8;
         options.logging_type = ceres::SILENT;
         options.callbacks.push_back(&watch);

@@ -24,6 +24,9 @@ struct LeastSquares {
     FitLoss loss = FitLoss::squares;
     double loss_width = 2.0;
     int most_iterations = 50;
+    /// A step that changes the sum of squares by no more than this share of it is the last: a
+    /// thousandth of a sigma in each unknown is less than anybody reads.
+    double least_gain = 1e-8;
     /// Called after each iteration; true ends the search.
     std::function<bool(int iteration)> is_enough = {};
 };

@@ -72,6 +72,11 @@ class Searcher {
     Minimum from(std::vector<double> t) {
         squares_.start = std::move(t);
         squares_.loss = FitLoss::squares;
+        // The sum is about a sigma squared for each residual: polish() goes on from a step of
+        // kMostShift.
+        squares_.least_gain = model_.is_coarse()
+                                  ? kMostShift * kMostShift / double(squares_.residuals)
+                                  : LeastSquares().least_gain;
         Minimum plain = minimise(squares_);
         if (problem_.loss == FitLoss::squares || !plain.converged) return plain;
         squares_.start = plain.x;

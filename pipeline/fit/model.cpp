@@ -108,8 +108,12 @@ bool Model::has_closed_forms(const Job& job, std::span<const double> numbers,
                              const std::vector<std::string>& names) {
     Job one = job;  // a wavelength knows
     if (one.is_interpolated()) one.set_wavelengths({job.wavelength_nm.front()});
+    Request coarse = request(one, numbers, names);
+    coarse.solver.tolerance = std::max(coarse.solver.tolerance, kSearchTolerance);
+    const Control& control = remembering();
+    control.memo->names().spectrum_nm.clear();  // no spectrum is sampled for one wavelength
     try {
-        solve_job(one, request(one, numbers, names), remembering(), names);
+        solve_job(one, coarse, control, names);
         return true;
     } catch (const UsageError&) {
         return false;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "pipeline/fit/problem.h"
 
@@ -81,6 +82,24 @@ std::vector<double> linear_step(const FitProblem& problem, const Model& model,
     return step;
 }
 
+/// The length of a step: how far it moves values, over sigma.
+double standard_errors_of(const std::vector<double>& step, const Minimum& at, double sigma) {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < at.residuals.size(); ++i) {
+        double change = 0.0;
+        for (std::size_t s = 0; s < step.size(); ++s)
+            change += at.jacobian[i * step.size() + s] * step[s];
+        squares += change * change;
+    }
+    return std::sqrt(squares) / sigma;
+}
+
+void set_residuals(std::vector<double> residuals, Minimum& at) {
+    at.residuals = std::move(residuals);
+    at.sum_of_squares =
+        std::inner_product(at.residuals.begin(), at.residuals.end(), at.residuals.begin(), 0.0);
+}
+
 }  // namespace
 
 std::vector<double> numbers_of(const FitProblem& problem, const Model& model,
@@ -127,25 +146,31 @@ std::optional<double> polish(const FitProblem& problem, Model& model, const Targ
     if (!(of_derivatives <= kMostShift)) return std::nullopt;
     Minimum at = best;
     for (int k = 0; k < kMostSteps && !is_cancelled(); ++k) {
+        std::vector<double> searched = at.residuals;
         model.evaluate_exactly(numbers_of(problem, model, at.x), at.residuals);
-        at.residuals = target.sigmas_off(at.residuals);
-        at.sum_of_squares = 0.0;
-        for (const double r : at.residuals) at.sum_of_squares += r * r;
+        set_residuals(target.sigmas_off(at.residuals), at);
         const std::vector<double> step = linear_step(problem, model, at);
-        double squares = 0.0;
-        for (std::size_t i = 0; i < at.residuals.size(); ++i) {
-            double change = 0.0;
-            for (std::size_t s = 0; s < step.size(); ++s)
-                change += at.jacobian[i * step.size() + s] * step[s];
-            squares += change * change;
-        }
-        const double shift = std::sqrt(squares) / sigma_of(problem, at);
-        if (shift + of_derivatives <= kMostShift) {
-            best = at;
-            return shift + of_derivatives;
-        }
+        const double shift = standard_errors_of(step, at, sigma_of(problem, at));
+        double left = shift + of_derivatives;
         if (!std::isfinite(shift)) break;
-        for (std::size_t s = 0; s < step.size(); ++s) at.x[s] += step[s];
+        if (left > kMostShift) {
+            // Along the step exact values change as those of the search do.
+            std::vector<double> offset = at.residuals;
+            for (std::size_t i = 0; i < offset.size(); ++i) offset[i] -= searched[i];
+            for (std::size_t s = 0; s < step.size(); ++s) at.x[s] += step[s];
+            model.evaluate(numbers_of(problem, model, at.x), searched, at.jacobian);
+            searched = target.sigmas_off(searched);
+            target.to_sigmas(at.jacobian);
+            for (std::size_t i = 0; i < offset.size(); ++i) offset[i] += searched[i];
+            set_residuals(std::move(offset), at);
+            left = standard_errors_of(linear_step(problem, model, at), at, sigma_of(problem, at)) +
+                   (1.0 + shift) * of_derivatives;
+        }
+        if (left <= kMostShift) {
+            best = at;
+            return left;
+        }
+        at.residuals = searched;
     }
     return std::nullopt;
 }

@@ -32,9 +32,11 @@ double lattice_shift(const FitProblem& problem, Model& model, const Target& targ
 bool may_be_polished(const FitProblem& problem);
 
 /// Steps by values as the problem asks for them, with averages of their own, and derivatives of the
-/// coarse search. Where columns of the Jacobian nearly cancel in a direction, so that its condition
-/// is c, derivatives along it err by c times what those by single numbers do, and so the minimum
-/// by kSearchTolerance c standard errors.
+/// coarse search. Behind a step these values are those before it and the change of the search's,
+/// which errs by kSearchTolerance of itself, as long as that is good enough. Where columns of the
+/// Jacobian nearly cancel in a direction, so that its condition is c, derivatives along it err by c
+/// times what those by single numbers do, and so the minimum by kSearchTolerance c standard errors,
+/// and likewise the change by a step by that share of it.
 /// @return that, and the step that is left, in standard errors; empty: more than kMostShift, and
 ///         best stays
 std::optional<double> polish(const FitProblem& problem, Model& model, const Target& target,
