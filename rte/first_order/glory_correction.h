@@ -53,9 +53,6 @@ class GloryStrengths {
 
     /// The coefficients of P_l(cos Theta), l = 0, 1, ..., in C at one q; empty if there are none.
     Eigen::VectorXd of_all(double q) const;
-    /// |coefficients| of P_l, l = 0, 1, ..., in what the discrete equations know of narrow features
-    /// that light reaches by way of the forward peak (the second part of C below) at one q.
-    Eigen::VectorXd of_kept(double q) const;
     /// [degree][angle of zenith, kResolvedAngles of them]: coefficients of P_l in what the nodes do
     /// not resolve of that, of the half of the light that is scattered forward at this angle.
     Eigen::VectorXd of_unresolved(double q) const;
@@ -71,7 +68,6 @@ class GloryStrengths {
         Eigen::ArrayXd loss;
         Eigen::ArrayXd loss_of_kept;  ///< the same with what the discrete equations keep of F_l
         Eigen::ArrayXd share_kept;    ///< of N_l in the discrete equations
-        Eigen::Index kept = 0;        ///< of these degrees below the medium's own cutoff
         std::vector<double> unresolved_shares;
     };
     /// Calls visit(medium, G(F_l) - G(f) of so many degrees, G(F'_l) - G(f), G(f)) from the top

@@ -103,7 +103,6 @@ GloryStrengths::GloryStrengths(const std::vector<ScaledMedium>& media, const Deg
         Medium medium;
         medium.scaled_optical_depth = from->scaled_optical_depth;
         medium.depth_factor = from->scaled.depth_factor;
-        medium.kept = std::clamp(from->scaled.chi.size() - first_, Eigen::Index(0), count_);
         medium.unresolved_shares = from->unresolved_shares;
         for (Eigen::ArrayXd* part : {&medium.strength, &medium.loss, &medium.share_kept})
             part->resize(count_);
@@ -155,18 +154,6 @@ Eigen::VectorXd GloryStrengths::of_all(double q) const {
                         sums.head(kept_) -=
                             medium.strength.head(kept_) * medium.share_kept.head(kept_) * of_kept;
                     });
-    return strengths;
-}
-
-Eigen::VectorXd GloryStrengths::of_kept(double q) const {
-    Eigen::VectorXd strengths = Eigen::VectorXd::Zero(count_ == 0 ? 0 : first_ + count_);
-    for_each_medium(
-        q, 0,
-        [&](const Medium& medium, const Eigen::ArrayXd&, const Eigen::ArrayXd& of_kept, double) {
-            const Eigen::Index own = medium.kept;
-            strengths.segment(first_, own).array() +=
-                (medium.strength.head(own) * medium.share_kept.head(own) * of_kept.head(own)).abs();
-        });
     return strengths;
 }
 

@@ -149,18 +149,29 @@ void keep_largest(double& largest, double value) {
     if (is_larger(value, largest)) largest = value;
 }
 
-// Where light is trapped, the error is at least kTrappedShare x the difference from the solution
-// with 4/9 of the nodes. Errors of all values of such a stack change sign together, slowly as nodes
-// are added, so that two solutions may agree by chance. Of 784 solutions of random stacks below
-// boundaries (tests/rte/random_boundaries_test.cpp) with 8 to 48 nodes, 97 of 100 erred by less
-// than half of this, 99 of 100 by less than about this (.26 to .35).
-constexpr double kTrappedShare = 0.3;
+// Errors may change sign together, slowly as nodes are added, so that two solutions agree by
+// chance: where light is trapped, and where a forward peak is not resolved. There the error is at
+// least this share of the difference from the solution with 4/9 of the nodes. Of 784 solutions of
+// random stacks below boundaries (tests/rte/random_boundaries_test.cpp) with 8 to 48 nodes, 97 of
+// 100 erred by less than half of this, 99 of 100 by less than about this (.26 to .35).
+constexpr double kSharedError = 0.3;
+
+// What is known of a solution before its differences are.
+struct Doubts {
+    bool slow = false;      // converges_slowly()
+    bool has_many = false;  // are_many() values
+    bool traps = false;     // traps_light()
+    // More nodes would resolve glories.
+    bool glories_may_resolve = false;
+};
 
 // A floor for the difference of the last two solutions, which may agree by chance. `all` is the
-// difference of the first and the last one. Near retro-reflection the floor is `all` itself,
-// because glories that are resolved in part come and go with each number of nodes.
-double least_difference(double all, bool slow, bool backwards) {
-    if (slow) return backwards ? all : 0.1 * all;
+// difference of the first and the last one. A peak that is not resolved: near retro-reflection,
+// where glories that are resolved in part come and go with each number of nodes, errors were up to
+// twice `all`, and for light that meets the horizon within what n nodes resolve, 1 / (2n), up to
+// `all` (spheres of .3 to 12 um; docs/numerics.md).
+double least_difference(double all, bool slow, bool backwards, bool grazes) {
+    if (slow) return backwards ? 2.0 * all : grazes ? all : kSharedError * all;
     return all < 1.0 ? all * std::sqrt(all) : all;
 }
 
@@ -180,21 +191,23 @@ double least_gain(double apart, int coarse, int fine) {
 // r^n for smooth phase functions and like a power of n at grazing angles: either way it is at most
 // d q. The estimate is d q, but no less than d^1.125 (r^n alone would give d^1.5; for closer
 // numbers of nodes in proportion), and d itself where peaks are not resolved (docs/numerics.md).
-// @param coarsest             not `physical`: not computed, and q is taken as 1
-// @param glories_may_resolve  more nodes would resolve glories
+// @param coarsest  not `physical`: not computed, and q is taken as 1
 // @return d
 double estimate_error(const Solution& coarsest, const Solution& coarse, Solution& fine,
-                      const JudgedValues& judged, bool slow, bool has_many, bool traps,
-                      bool glories_may_resolve, double tolerance) {
+                      const JudgedValues& judged, const Doubts& doubts, double tolerance) {
     SolverReport& report = fine.report;
+    const auto& [slow, has_many, traps, glories_may_resolve] = doubts;
     const bool by_chance = slow || !has_many;
     const bool has_glory = glories_may_resolve && !judged.near_backwards.empty() &&
                            (coarsest.has_glory || fine.has_glory);
+    const double resolved_cosine = 0.5 / report.streams;
     const auto last_at = [&](std::size_t k, double scale) {
         const double last = difference(coarse.values[k], fine.values[k], scale);
         if (!coarsest.physical || !by_chance) return last;
         const double both = difference(coarsest.values[k], fine.values[k], scale);
-        return std::max(last, least_difference(both, slow, has_glory && judged.near_backwards[k]));
+        const bool grazes = !judged.cosines.empty() && judged.cosines[k] < resolved_cosine;
+        return std::max(
+            last, least_difference(both, slow, has_glory && judged.near_backwards[k], grazes));
     };
     double gain = 1.0, before = 0.0, now = 0.0;
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
@@ -210,14 +223,14 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
     }
     std::size_t within = 0;
     double largest = 0.0;
-    // The equations are solved to this accuracy: solutions that agree better do so by chance.
-    const double least = std::max(report.error_estimate, kEquationShare * tolerance);
+    // Solutions that agree better do so by chance.
+    const double least = std::max(report.error_estimate, kLeastStatedShare * tolerance);
     fine.errors.clear();
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         double error = gain * last_at(k, scale);
         if (traps && coarsest.physical) {
             keep_largest(error,
-                         kTrappedShare * difference(coarsest.values[k], fine.values[k], scale));
+                         kSharedError * difference(coarsest.values[k], fine.values[k], scale));
         }
         fine.errors.push_back(std::isnan(error) ? std::numeric_limits<double>::infinity()
                                                 : std::max(error, least));
@@ -364,9 +377,12 @@ Solution& solve_with_estimate(const Stack& stack, const SolverOptions& options,
         double apart = 0.0;
         const auto estimate = [&] {
             fine.report.error_estimate = of_equations;
-            apart =
-                estimate_error(coarsest, coarse, fine, judged, converges_slowly(stack, streams),
-                               has_many, traps_light(stack), can_be_resolved, options.tolerance);
+            apart = estimate_error(coarsest, coarse, fine, judged,
+                                   {.slow = converges_slowly(stack, streams),
+                                    .has_many = has_many,
+                                    .traps = traps_light(stack),
+                                    .glories_may_resolve = can_be_resolved},
+                                   options.tolerance);
         };
         if (fine.physical && coarse.physical) {
             estimate();

@@ -8,6 +8,10 @@ namespace miebrdf {
 // value at an incidence. What is left, most of it, is for the number of streams: that error is
 // estimated by comparing two numbers of nodes, and it is the only one that costs much to reduce.
 
+/// Less than this share of the tolerance is never stated: differences that are smaller are so by
+/// chance.
+inline constexpr double kLeastStatedShare = 0.1;
+
 /// The error that transfer may make in any case, even where a tolerance of the size average that
 /// was asked for leaves it less.
 inline constexpr double kLeastTransferShare = 0.5;

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "rte/first_order/first_order.h"
-#include "rte/first_order/glory_correction.h"
+#include "rte/math/legendre.h"
 #include "rte/math/tolerance_budget.h"
 #include "rte/stack/stack_solver.h"
 
@@ -117,24 +117,34 @@ bool FourierTail::ends_with(double largest) {
 }
 
 FeatureOrders::FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested)
-    : strengths_(GloryStrengths(stack.media).of_kept(2.0 / requested.mu.maxCoeff())) {}
+    : stack_(stack), mu_(requested.mu(requested.in).unaryExpr([&](double mu) {
+          return refracted_cosine(stack.top_index, mu);
+      })) {}
 
-// Near retro-reflection the orders above m are the share 2/pi acos(m / l) of P_l.
-double FeatureOrders::strength_above(int m) const {
-    double sum = 0.0;
-    for (Eigen::Index l = m + 1; l < strengths_.size(); ++l)
-        sum += strengths_[l] * (2.0 / std::numbers::pi) * std::acos(double(m) / double(l));
-    return sum;
+// 4 (mu + mu) times the Fourier orders of light scattered once by half-spaces of each medium.
+void FeatureOrders::sum_orders() {
+    Eigen::MatrixXd functions;
+    for (const ScaledMedium& medium : stack_.media) {
+        Eigen::VectorXd strengths = medium.scaled.strengths();
+        for (Eigen::Index l = 1; l < strengths.size(); l += 2) strengths[l] = -strengths[l];
+        const Eigen::Index degrees = strengths.size();
+        above_.resize(std::max(above_.size(), std::size_t(degrees)), 0.0);
+        double sum = 0.0;
+        for (Eigen::Index m = degrees - 1; m > 0; --m) {
+            math::legendre_functions(int(m), int(degrees), mu_, functions);
+            sum +=
+                2.0 * (functions.cwiseAbs2() * strengths.tail(degrees - m)).cwiseAbs().maxCoeff();
+            above_[std::size_t(m - 1)] = std::max(above_[std::size_t(m - 1)], sum);
+        }
+    }
 }
 
 std::vector<int> FeatureOrders::higher_orders(int m, double scale, double tolerance) const {
     std::vector<int> orders;
-    if (!(scale * strength_above(m) > tolerance)) return orders;
-    int last = m + 1;  // by bisection: all orders above it together are below the tolerance
-    for (int step = int(strengths_.size()); step > 0; step /= 2) {
-        if (last + step < int(strengths_.size()) && scale * strength_above(last + step) > tolerance)
-            last += step;
-    }
+    int last = m;  // all orders above it together are below the tolerance
+    while (std::size_t(last) < above_.size() && scale * above_[std::size_t(last)] > tolerance)
+        ++last;
+    if (last == m) return orders;
     for (const double share : {0.2, 0.4, 0.6, 0.8}) {
         const int order = m + int(std::lround(share * (last - m)));
         if (order > m && (orders.empty() || order > orders.back())) orders.push_back(order);
@@ -143,7 +153,8 @@ std::vector<int> FeatureOrders::higher_orders(int m, double scale, double tolera
 }
 
 int FeatureOrders::last(int m, int highest, double scale, double tolerance,
-                        const std::function<double(int)>& size_of) const {
+                        const std::function<double(int)>& size_of) {
+    if (above_.empty()) sum_orders();
     const std::vector<int> orders = higher_orders(m, scale, tolerance);
     int last = m;
     for (const int order : orders) {
@@ -321,7 +332,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     FourierTail tail(tail_tolerance, solver.has_boundary_orders());
     FourierSizes sizes(c);
     CoarserFourierOrders coarser(coarser_orders, kCoarserOrdersShare * options.tolerance);
-    const FeatureOrders features(stack, requested);
+    FeatureOrders features(stack, requested);
     const Eigen::VectorXd mu_in = requested.mu(requested.in);
     AzimuthSum by_azimuth(azimuth_deg, requested.in.size() * requested.out.size(), c,
                           sum.reflection);

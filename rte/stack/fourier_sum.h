@@ -85,23 +85,28 @@ class FourierTail {
 
 /// Glories and rainbows, spread by the forward peak, have higher Fourier orders than all other
 /// light scattered more than once: sizes fall to nothing, the orders change their sign, and sizes
-/// rise again (spheres of 10 um, k = .006: 3e-5 of order 0 at m = 28, 7.5e-3 at m = 58). Where the
-/// moments allow this, up to four higher orders are solved to find whether the sum has ended.
+/// rise again (spheres of 10 um, k = .006: 3e-5 of order 0 at m = 28, 7.5e-3 at m = 58). Where
+/// light scattered once straight back still has higher orders above the tolerance, up to four of
+/// them are solved to find whether the sum has ended.
 class FeatureOrders {
   public:
     FeatureOrders(const ScaledStack& stack, const RequestedDirections& requested);
 
-    /// The order that a sum must reach which would otherwise end with m. It is m itself if glories
-    /// and rainbows together, or each of the higher orders solved, are below the tolerance.
+    /// The order that a sum must reach which would otherwise end with m. It is m itself if all
+    /// higher orders of light scattered once straight back together, or each of the higher orders
+    /// solved, are below the tolerance.
     /// @param scale    FourierSizes::of_retro_reflection
     /// @param size_of  solves an order below `highest` and returns its FourierSizes::of
     int last(int m, int highest, double scale, double tolerance,
-             const std::function<double(int order)>& size_of) const;
+             const std::function<double(int order)>& size_of);
 
   private:
+    void sum_orders();
     std::vector<int> higher_orders(int m, double scale, double tolerance) const;
-    double strength_above(int m) const;
-    Eigen::VectorXd strengths_;  ///< of glories and rainbows, by degree
+
+    const ScaledStack& stack_;
+    Eigen::VectorXd mu_;         ///< of incidences, in the topmost medium
+    std::vector<double> above_;  ///< [m]: the sum of the orders above m, straight back
 };
 
 /// R^m of light scattered more than once for m = 0, 1, ..., out x in (each times the components

@@ -49,6 +49,21 @@ double glory_error(const ScaledStack& stack, double mu_air) {
            unresolved_glory(stack.media, mu);
 }
 
+// The smaller cosine of each pair of directions in the topmost medium, for each of `repeats`
+// values.
+std::vector<double> smaller_cosines(const Stack& stack, const Directions& directions,
+                                    std::size_t repeats) {
+    const double index = stack.coats.empty() ? stack.base_index : stack.coats.back().index;
+    std::vector<double> cosines;
+    cosines.reserve(directions.mu_in.size() * directions.mu_out.size() * repeats);
+    for (const double mu_in : directions.mu_in) {
+        for (const double mu_out : directions.mu_out)
+            cosines.insert(cosines.end(), repeats,
+                           refracted_cosine(index, std::min(mu_in, mu_out)));
+    }
+    return cosines;
+}
+
 struct Request {
     const Stack& stack;
     const Directions& directions;
@@ -199,7 +214,8 @@ ReflectionTable reflect_light(const Stack& stack, const Directions& directions,
         .count = directions.mu_in.size() * block,
         .block = block,
         .near_backwards =
-            elements == 1 ? near_retro_reflection(directions, kNearRetroDeg) : std::vector<bool>()};
+            elements == 1 ? near_retro_reflection(directions, kNearRetroDeg) : std::vector<bool>(),
+        .cosines = smaller_cosines(stack, directions, directions.azimuth_deg.size() * elements)};
     Solution& solution = solve_with_estimate(
         stack, options, values,
         [&](const Discretisation& discretisation, Solution& one) {

@@ -133,7 +133,7 @@ TEST_CASE("sums of Fourier orders look beyond a gap for the orders of a glory", 
     const auto last_order = [](const rte::Optics& optics, double hump) {
         rte::ScaledStack scaled = rte::scale_stack({.base = optics}, 128, true);
         rte::split_by_resolution(scaled, rte::StackGrids(scaled, rte::GridKind::mapped_gauss, 32));
-        const rte::FeatureOrders features(scaled, rte::collect({0.7}, {0.7}));
+        rte::FeatureOrders features(scaled, rte::collect({0.7}, {0.7}));
         int asked = 0;
         const int last = features.last(20, 128, 1.0, 1e-4, [&](int order) {
             ++asked;
