@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 
 #include "materials/readers/text.h"
 #include "pipeline/measured/reader.h"
@@ -31,13 +30,6 @@ std::string type_name(int type) {
     return type >= 0 && type < 9 ? kNames[type] : fmt::format("{}", type);
 }
 
-template <typename Number>
-Number number_at(std::string_view bytes, std::size_t place) {
-    Number number;
-    std::memcpy(&number, bytes.data() + place, sizeof number);
-    return number;
-}
-
 std::string_view take(const MeasuredFile& file, std::string_view& bytes, std::size_t count) {
     if (count > bytes.size()) {
         refuse(file, 0,
@@ -56,9 +48,9 @@ std::vector<double> spectrum_of(const MeasuredFile& file, std::string_view& byte
     const std::size_t size = channels * (format == 2 ? 8 : 4);
     const std::string_view part = take(file, bytes, size);
     for (std::size_t i = 0; i < channels; ++i) {
-        values.push_back(format == 2   ? number_at<double>(part, 8 * i)
-                         : format == 0 ? double(number_at<float>(part, 4 * i))
-                                       : double(number_at<std::int32_t>(part, 4 * i)));
+        values.push_back(format == 2   ? number_in<double>(part, 8 * i)
+                         : format == 0 ? double(number_in<float>(part, 4 * i))
+                                       : double(number_in<std::int32_t>(part, 4 * i)));
         const double size_of_value = std::abs(values.back());
         if (size_of_value > 0.0 && size_of_value < kLeastValue) {
             refuse(file, 0,
@@ -83,9 +75,9 @@ Measurements read_asd(const MeasuredFile& file, const MeasuredOptions&) {
     Measurements list;
     const int type = static_cast<unsigned char>(file.content[kDataType]);
     const int format = static_cast<unsigned char>(file.content[kNumberFormat]);
-    const int channels = number_at<std::int16_t>(file.content, kChannels);
-    const double first = double(number_at<float>(file.content, kFirstWavelength));
-    const double step = double(number_at<float>(file.content, kStep));
+    const int channels = number_in<std::int16_t>(file.content, kChannels);
+    const double first = double(number_in<float>(file.content, kFirstWavelength));
+    const double step = double(number_in<float>(file.content, kStep));
     if (!(first > 0.0 && step > 0.0 && std::isfinite(first + step * channels) && channels > 1 &&
           channels < kMostChannels) ||
         format > 2) {
@@ -108,7 +100,7 @@ Measurements read_asd(const MeasuredFile& file, const MeasuredOptions&) {
     std::vector<double> values = spectrum_of(file, bytes, format, count), nm;
     if (ratio) {
         const std::string_view between = take(file, bytes, kBeforeText + 2);
-        take(file, bytes, number_at<std::uint16_t>(between, kBeforeText));
+        take(file, bytes, number_in<std::uint16_t>(between, kBeforeText));
         const std::vector<double> panel = spectrum_of(file, bytes, format, count);
         // Integration time and gains are the same for both, and leave the ratio.
         for (std::size_t i = 0; i < values.size(); ++i) values[i] /= panel[i];

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <numbers>
 #include <optional>
@@ -48,6 +49,14 @@ Measurements read_with(std::span<const Reader* const> readers, const std::filesy
 /// @throws ImportError  always; line 0: the whole file
 [[noreturn]] inline void refuse(const MeasuredFile& file, int line, const std::string& reason) {
     throw materials::ImportError(file.path, line, reason);
+}
+
+/// A number of a binary file, whose place the caller has checked.
+template <typename Number>
+Number number_in(std::string_view bytes, std::size_t place) {
+    Number number;
+    std::memcpy(&number, bytes.data() + place, sizeof number);
+    return number;
 }
 
 /// Whether a field says that there is no value: empty, "nan", "?", "#N/A", -9999, -1.23e34.

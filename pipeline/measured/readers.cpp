@@ -10,7 +10,7 @@
 
 namespace miebrdf::measured {
 
-extern const Reader kAsd, kSvc, kOcean, kEnvi, kCxf, kOpenMaterial, kCgats, kJcamp, kRxt,
+extern const Reader kAsd, kAvantes, kSvc, kOcean, kEnvi, kCxf, kOpenMaterial, kCgats, kJcamp, kRxt,
     kEcostress, kSplib, kCsv;
 
 namespace {
@@ -20,7 +20,6 @@ struct UnreadFormat {
     std::string_view begin, endings, program;
 };
 constexpr UnreadFormat kUnread[] = {
-    {"AVS8", "", "AvaSoft 8 (Avantes)"},
     {"", ".trm .roh .drk .ref .abs .irr", "AvaSoft (Avantes)"},
     {"PK\3\4", ".procspec", "SpectraSuite or OceanView (Ocean Optics)"},
     {"\n\n\xfe\xfe", "", "OPUS (Bruker)"},
@@ -62,9 +61,9 @@ void blank_padding(std::string& bytes) {
 }  // namespace
 
 std::span<const Reader* const> readers() {
-    static constexpr const Reader* kReaders[] = {&kAsd, &kSvc,          &kOcean, &kEnvi,
-                                                 &kCxf, &kOpenMaterial, &kCgats, &kJcamp,
-                                                 &kRxt, &kEcostress,    &kSplib, &kCsv};
+    static constexpr const Reader* kReaders[] = {
+        &kAsd,   &kAvantes, &kSvc, &kOcean,     &kEnvi,  &kCxf, &kOpenMaterial,
+        &kCgats, &kJcamp,   &kRxt, &kEcostress, &kSplib, &kCsv};
     return kReaders;
 }
 
@@ -85,7 +84,7 @@ Measurements read_with(std::span<const Reader* const> readers, const std::filesy
     if (bytes.empty()) refuse(file, 0, "is empty");
     const auto knows = [&](const Reader* reader) { return reader->looks_like(file); };
     if (chosen == nullptr) {
-        refuse_unread(file);
+        if (!knows(&kAvantes)) refuse_unread(file);  // of its endings some are read
         const auto found = std::find_if(readers.begin(), readers.end(), knows);
         if (found == readers.end()) {
             refuse(file, 0,
