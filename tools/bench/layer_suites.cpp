@@ -142,14 +142,11 @@ BenchCase in_binder(const std::string& name, double index, double albedo, double
                     std::optional<double> ground) {
     const std::vector<double> cosines = {1.0, 0.5};
     BenchCase c{
-        "boundary",
-        name,
+        "boundary", name,
         fmt::format("Plane albedo at cosines 1 and .5, mirror reflection included, of "
                     "Henyey-Greenstein particles (albedo {}, g {}) in a binder of index {}.",
                     albedo, g, index),
-        "tests/reference/interface/slabs.csv, 8 digits, checked against iad.",
-        {},
-        {}};
+        "tests/reference/interface/slabs.csv, 8 digits, checked against iad."};
     const ReferenceData table("interface/slabs.csv");
     const std::size_t row =
         table.row({{"n", index},

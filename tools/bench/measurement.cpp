@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <span>
 
 namespace miebrdf::bench {
 namespace {
@@ -74,14 +75,23 @@ double peak_memory() { return field_of_status("VmHWM:"); }
 double largest_relative_error(const std::vector<double>& values, const std::vector<double>& truth) {
     if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
     if (values.size() != truth.size()) return std::numeric_limits<double>::infinity();
-    double worst = 0;
+    auto value = values.begin();
+    return worst(truth,
+                 [&](double t) { return std::abs(*value++ - t) / (t != 0 ? std::abs(t) : 1.0); });
+}
+
+double largest_error_in_blocks(const std::vector<double>& values, const std::vector<double>& truth,
+                               std::size_t block) {
+    if (values.size() != truth.size()) return std::numeric_limits<double>::quiet_NaN();
+    double largest = 0, scale = 0;
     for (std::size_t i = 0; i < truth.size(); ++i) {
-        const double scale = truth[i] != 0 ? std::abs(truth[i]) : 1.0;
-        const double error = std::abs(values[i] - truth[i]) / scale;
-        if (!(error <= worst)) worst = error;
-        if (std::isnan(worst)) break;
+        if (i % block == 0)
+            scale = worst(std::span(truth).subspan(i, block), [](double t) { return std::abs(t); });
+        const double error = scale == 0 ? 0.0 : std::abs(values[i] - truth[i]) / scale;
+        if (!(error <= largest)) largest = error;
+        if (std::isnan(largest)) break;
     }
-    return worst;
+    return largest;
 }
 
 std::vector<Measurement> measure(const BenchCase& bench_case, const MeasureOptions& options) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <functional>
 #include <initializer_list>
 #include <limits>
@@ -53,9 +54,26 @@ struct Contender {
     std::function<Answer()> run;
 };
 
+/// The largest of `of` over a list, at least 0; NaN if one of them is.
+template <typename List, typename Of>
+double worst(const List& list, const Of& of) {
+    double largest = 0;
+    for (const auto& one : list) {
+        const double value = of(one);
+        if (!(value <= largest)) largest = value;
+        if (std::isnan(largest)) break;
+    }
+    return largest;
+}
+
 /// The distance of an answer from the truth: largest |value / truth - 1|; absolute where truth is
 /// 0. Infinite for answers of another length, NaN for a value that is none.
 double largest_relative_error(const std::vector<double>& values, const std::vector<double>& truth);
+
+/// Largest error relative to the largest true value of its block: what a tolerance promises where a
+/// block holds the values at one incidence. NaN for lists of two lengths, or a value that is none.
+double largest_error_in_blocks(const std::vector<double>& values, const std::vector<double>& truth,
+                               std::size_t block);
 
 /// A quantity, its truth from outside, and everyone who computes it.
 struct BenchCase {
@@ -63,8 +81,8 @@ struct BenchCase {
     std::string name;
     std::string quantity;  ///< one sentence: what is computed
     std::string truth;     ///< where the truth comes from and how many digits it has
-    std::vector<double> true_values;
-    std::vector<Contender> contenders;
+    std::vector<double> true_values = {};
+    std::vector<Contender> contenders = {};
     std::string question = {};  ///< to other programs (peers.h); empty: they are not asked
     /// The measure of an answer's error; empty: largest_relative_error.
     std::function<double(const std::vector<double>&, const std::vector<double>&)> error = {};

@@ -105,8 +105,7 @@ BenchCase efficiencies(std::complex<double> index) {
                 "Extinction efficiency, albedo and g of spheres of 50 um at 550 nm.",
                 kTruth,
                 {table.number(row, exact ? "Qext_contour" : "Qext"), table.number(row, "albedo"),
-                 table.number(row, exact ? "g_corr" : "g")},
-                {}};
+                 table.number(row, exact ? "g_corr" : "g")}};
     c.add_each("miebrdf", "tol={:.0e}", {1e-2, 1e-3, 1e-4, 1e-5}, [=](double t) {
         const auto optics = library(index, t, 1);
         return std::vector{optics.q_ext, optics.single_scattering_albedo, optics.asymmetry};
@@ -121,12 +120,9 @@ BenchCase efficiencies(std::complex<double> index) {
 BenchCase moments(std::complex<double> index) {
     const ReferenceData summary("mie/poly_summary.csv"), table("mie/poly_moments.csv");
     const std::string which = summary.text(row_of(summary, index), "case");
-    BenchCase c{"mie",
-                fmt::format("n {} k {}, moments", index.real(), index.imag()),
+    BenchCase c{"mie", fmt::format("n {} k {}, moments", index.real(), index.imag()),
                 "Legendre moments 1, 2, 8, 32, 64 (of 64 computed) of spheres of 50 um at 550 nm.",
-                kTruth,
-                {},
-                {}};
+                kTruth};
     for (const int l : kMoments)
         c.true_values.push_back(table.number("chi_l", {{"case", which}, {"l", double(l)}}));
     c.add_each("miebrdf", "tol={:.0e}", {1e-2, 1e-3, 1e-4, 1e-5},

@@ -97,12 +97,9 @@ template <typename Full, typename Reduced>
 BenchCase rule_case(const std::string& rule, const std::string& quantity, const Question& whole,
                     const Full& full, const Question& part, const Reduced& reduced) {
     BenchCase c{
-        "rules",
-        rule,
-        quantity,
+        "rules", rule, quantity,
         "none from outside: the difference from the full question is what the rule changes.",
-        full(whole),
-        {}};
+        full(whole)};
     c.add("full", "-", [=] { return Values(full(whole)); });
     c.add("reduced", "-", [=] { return Values(reduced(part)); });
     return c;

@@ -32,12 +32,9 @@ BenchCase half_space_case() {
     const ReferenceData table("rte/stokes_rayleigh_half_space.csv");
     const rte::Stack stack{.base = rte::rayleigh_optics(table.number(0, "albedo"))};
     const rte::Directions directions{{0.8, 0.2}, {1.0, 0.5, 0.1}, {0.0, 90.0, 180.0}};
-    BenchCase c{"stokes",
-                "rayleigh-half-space",
+    BenchCase c{"stokes", "rayleigh-half-space",
                 "R11 of a Rayleigh half-space of albedo 0.9 at 18 directions.",
-                "An independent closed form, 8 decimals.",
-                {},
-                {}};
+                "An independent closed form, 8 decimals."};
     for_each_direction(directions, [&](double mu_in, double mu_out, double azimuth_deg) {
         c.true_values.push_back(table.number(
             "r11", {{"mu_in", mu_in}, {"mu_out", mu_out}, {"azimuth_deg", azimuth_deg}}));
@@ -62,8 +59,7 @@ BenchCase layer_case() {
                 "siewert-layer",
                 "I, Q, U of light reflected by a layer of optical depth 1 at one direction.",
                 "Siewert 2000, problem IIA, six digits.",
-                {0.124626, 0.00512123, 0.00804140},
-                {}};
+                {0.124626, 0.00512123, 0.00804140}};
     const double mu_in = 0.6;
     for (const std::size_t row : {3, 4}) {
         add(c, int(row), stack, {{mu_in}, {0.5}, {90.0}}, [=](const std::vector<double>& R) {

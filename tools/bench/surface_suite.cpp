@@ -61,9 +61,7 @@ BenchCase reflectance(double alpha, std::complex<double> index) {
                 "Directional reflectance rho_dt at cosines 0.1, 0.4, 0.7, 1.",
                 "the model's textbook formulas (Beckmann, Smith, Fresnel in complex arithmetic), "
                 "written once more for this purpose, by adaptive Gauss-Kronrod quadrature of Boost "
-                "to 1e-11.",
-                {},
-                {}};
+                "to 1e-11."};
     rte::SurfaceOptions options;
     options.beckmann_alpha = alpha;
     const rte::SurfaceLobe lobe(index, options);

@@ -1,4 +1,4 @@
-#include "tools/bench/traced_boundary.h"
+#include "tools/bench/photon_tracer.h"
 
 #include <algorithm>
 #include <cmath>

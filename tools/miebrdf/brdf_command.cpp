@@ -8,9 +8,8 @@
 #include "tools/miebrdf/colour_table.h"
 #include "tools/miebrdf/command.h"
 #include "tools/miebrdf/direction_options.h"
-#include "tools/miebrdf/drawdown_table.h"
-#include "tools/miebrdf/mueller_table.h"
 #include "tools/miebrdf/reflection_options.h"
+#include "tools/miebrdf/reflection_tables.h"
 #include "tools/miebrdf/result_facts.h"
 
 namespace miebrdf::program {

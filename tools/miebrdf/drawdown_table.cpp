@@ -1,4 +1,4 @@
-#include "tools/miebrdf/drawdown_table.h"
+#include "tools/miebrdf/reflection_tables.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/miebrdf/mueller_table.h"
+#include "tools/miebrdf/reflection_tables.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <miebrdf/error.h>
+#include "pipeline/formats/table/tabulate.h"
 #include "tools/miebrdf/result_facts.h"
 
 namespace miebrdf::program {
@@ -23,10 +24,7 @@ void refuse_other_questions(const BrdfQuestion& question) {
 
 std::vector<std::string> columns_of(int components) {
     std::vector<std::string> names = {"wavelength_nm", "mu_in", "mu_out", "azimuth_deg"};
-    for (int row = 1; row <= components; ++row) {
-        for (int column = 1; column <= components; ++column)
-            names.push_back(fmt::format("m{}{}", row, column));
-    }
+    for (std::string& element : mueller_names(components)) names.push_back(std::move(element));
     names.insert(names.end(), {"dolp", "aolp_deg"});
     return names;
 }

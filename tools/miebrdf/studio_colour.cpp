@@ -1,4 +1,4 @@
-#include "tools/miebrdf/studio_colour.h"
+#include "tools/miebrdf/studio_page.h"
 
 #include <cmath>
 #include <complex>

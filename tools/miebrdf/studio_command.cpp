@@ -30,9 +30,7 @@
 #include "tools/miebrdf/result_facts.h"
 #include "tools/miebrdf/run_command.h"
 #include "tools/miebrdf/scratch_folder.h"
-#include "tools/miebrdf/studio_colour.h"
-#include "tools/miebrdf/studio_measured.h"
-#include "tools/miebrdf/studio_scene.h"
+#include "tools/miebrdf/studio_page.h"
 #include "tools/miebrdf/studio_server.h"
 
 extern char** environ;

@@ -1,4 +1,4 @@
-#include "tools/miebrdf/studio_measured.h"
+#include "tools/miebrdf/studio_page.h"
 
 #include <fmt/format.h>
 #include <miebrdf/fit.h>

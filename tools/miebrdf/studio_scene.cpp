@@ -1,4 +1,4 @@
-#include "tools/miebrdf/studio_scene.h"
+#include "tools/miebrdf/studio_page.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

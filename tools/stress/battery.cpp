@@ -44,12 +44,8 @@ double relative_difference(double a, double b) {
 }
 
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-    double worst = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const double d = relative_difference(a[i], b[i]);
-        if (!(d <= worst)) worst = d;
-    }
-    return worst;
+    auto other = b.begin();
+    return worst(a, [&](double one) { return relative_difference(one, *other++); });
 }
 
 double largest_jump(const std::vector<double>& a, const std::vector<double>& b) {
@@ -62,9 +58,7 @@ double largest_jump(const std::vector<double>& a, const std::vector<double>& b) 
     return jump / largest;
 }
 
-std::string text_of(std::complex<double> index) {
-    return fmt::format("{}+{}i", index.real(), index.imag());
-}
+std::string text_of(Index index) { return fmt::format("{}+{}i", index.real(), index.imag()); }
 
 std::vector<SwitchPoint> find_switches(double from, double to, int steps,
                                        const std::function<long(double)>& state) {

@@ -11,6 +11,9 @@
 
 namespace miebrdf::stress {
 
+using bench::worst;
+using Index = std::complex<double>;
+
 /// One checked number.
 struct Check {
     std::string suite;
@@ -66,17 +69,6 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 /// Likewise, over the largest value of `a`.
 double largest_jump(const std::vector<double>& a, const std::vector<double>& b);
 
-/// The largest of `of` over a list, at least 0; NaN if one of them is.
-template <typename List, typename Of>
-double worst(const List& list, const Of& of) {
-    double largest = 0;
-    for (const auto& one : list) {
-        const double value = of(one);
-        if (!(value <= largest)) largest = value;
-    }
-    return largest;
-}
-
 /// R of which each value has a partner with incident and outgoing direction exchanged, from equal
 /// lists of both: calls see(R, partner).
 template <typename See>
@@ -89,7 +81,7 @@ void see_reciprocal(const std::vector<double>& R, std::size_t cosines, std::size
 }
 
 /// "1.5+0.1i".
-std::string text_of(std::complex<double> index);
+std::string text_of(Index index);
 
 /// Two neighbouring values of a parameter with different methods (or grids) behind them.
 struct SwitchPoint {

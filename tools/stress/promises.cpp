@@ -23,19 +23,7 @@
 namespace miebrdf::stress {
 namespace {
 
-/// Largest error, relative to the largest true value at that incidence.
-double error_of(const std::vector<double>& values, const std::vector<double>& truth,
-                std::size_t block) {
-    double worst = 0;
-    for (std::size_t start = 0; start < truth.size(); start += block) {
-        double scale = 0;
-        for (std::size_t k = start; k < start + block; ++k)
-            scale = std::max(scale, std::abs(truth[k]));
-        for (std::size_t k = start; k < start + block && scale > 0; ++k)
-            worst = std::max(worst, std::abs(values[k] - truth[k]) / scale);
-    }
-    return worst;
-}
+using bench::largest_error_in_blocks;
 
 struct Promises {
     int scenes = 0, converged = 0, missed = 0, missed_by_3 = 0;
@@ -131,7 +119,8 @@ void smooth(bool fast, Log& log, Smooth kind) {
         for (const double tolerance : tolerances) {
             const auto table = rte::reflect(stack, directions, {.tolerance = tolerance});
             promises[tolerance].take(table.report.converged,
-                                     error_of(table.reflection, truth, block), tolerance, text);
+                                     largest_error_in_blocks(table.reflection, truth, block),
+                                     tolerance, text);
         }
         const auto least = [](const std::vector<double>& list) {
             return *std::min_element(list.begin(), list.end());
@@ -142,7 +131,8 @@ void smooth(bool fast, Log& log, Smooth kind) {
             const auto other =
                 bench::sum_orders(bench::moments_of(stack), 32, directions,
                                   [](const bench::Order& o) { return bench::adding_doubling(o); });
-            reference_error = std::max(reference_error, error_of(other, truth, block));
+            reference_error =
+                std::max(reference_error, largest_error_in_blocks(other, truth, block));
         }
     }
     for (const auto& [tolerance, promise] : promises) {
@@ -191,9 +181,10 @@ void spheres_in_layers(bool fast, Log& log) {
         for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
             const BrdfValues values =
                 solve(scene, {550}, {.tolerance = tolerance}).evaluate(directions);
-            promises[tolerance].take(values.converged(),
-                                     error_of(values.slices[0].subsurface, truth, block), tolerance,
-                                     base);
+            promises[tolerance].take(
+                values.converged(),
+                largest_error_in_blocks(values.slices[0].subsurface, truth, block), tolerance,
+                base);
         }
     }
     for (const auto& [tolerance, promise] : promises)

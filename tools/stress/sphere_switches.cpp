@@ -16,8 +16,6 @@
 namespace miebrdf::stress {
 namespace {
 
-using Index = std::complex<double>;
-
 // Both sides of a switch, one by one and in the vectors that averages over sizes use.
 void compare_spheres(Log& log, const std::string& what, Index m, const SwitchPoint& at) {
     log.run(fmt::format("{}, m {}, x {:.6g}", what, text_of(m), at.below), [&](const Case& is) {

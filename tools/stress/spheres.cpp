@@ -14,8 +14,6 @@ namespace {
 
 using bench::ReferenceData;
 
-using Index = std::complex<double>;
-
 void check_physics(Log& log, Index m, double x) {
     log.run(fmt::format("m {}, x {:.3g}", text_of(m), x), [&](const Case& is) {
         const auto s = mie::scatter_by_sphere(m, x);
@@ -119,8 +117,6 @@ void spheres(Log& log, bool fast) {
 }
 
 namespace {
-
-using Index = std::complex<double>;
 
 mie::EnsembleRequest request_of(mie::SizeDistributionKind kind, double radius_um, double variance,
                                 Index m) {

@@ -11,8 +11,6 @@
 namespace miebrdf::stress {
 namespace {
 
-using Index = std::complex<double>;
-
 rte::SurfaceOptions rough(double alpha) {
     rte::SurfaceOptions options;
     options.beckmann_alpha = alpha;
