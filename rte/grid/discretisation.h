@@ -69,7 +69,8 @@ struct JudgedValues {
     std::size_t block = 1;  ///< number of values of one incidence
     double least_scale = 0.0;
     std::vector<bool> near_backwards = {};  ///< near retro-reflection, by value; empty: none is
-    /// The smaller cosine of each value's two directions, in the topmost medium; empty: none grazes.
+    /// The smaller cosine of each value's two directions, in the topmost medium; empty: none
+    /// grazes.
     std::vector<double> cosines = {};
 };
 
