@@ -88,10 +88,11 @@ class MatrixSummation : public SizeSummation {
 
     double size_of(const Eigen::ArrayXd& change, const Eigen::ArrayXd& averages,
                    const SphereSums& sums) const override {
+        const double of_series = change.head(change.size() - nodes()).abs().maxCoeff();
+        if (std::isinf(request_.phase_tolerance)) return of_series;
         const Eigen::ArrayXd relative =
             change.tail(nodes()) / averages.tail(nodes()).max(dim_phase(sums));
-        return std::max(change.head(change.size() - nodes()).abs().maxCoeff(),
-                        relative.abs().maxCoeff() / MatrixRule::kPhasePerDegree);
+        return std::max(of_series, relative.abs().maxCoeff() / MatrixRule::kPhasePerDegree);
     }
 
     double tolerance(const SphereSums&) const override { return request_.tolerance; }

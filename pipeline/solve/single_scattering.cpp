@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -92,7 +93,8 @@ mie::EnsembleRequest matrix_request(const ResolvedSpecies& species, std::size_t 
 
 /// The same by spheres of kLargestOwnMatrix: at a wavelength so much longer, and with absorption
 /// that is as much stronger, until nothing passes through a sphere. Opaque ones keep theirs, which
-/// shows in what they reflect.
+/// shows in what they reflect. Points of P may have any error: light scattered once is the same with
+/// and without polarisation.
 mie::EnsembleRequest stand_in(mie::EnsembleRequest request, double size) {
     constexpr double opaque_k = 0.04;  // exp(-4 k x) = 7e-5 along the diameter
     const double longer = size / kLargestOwnMatrix;
@@ -101,6 +103,7 @@ mie::EnsembleRequest stand_in(mie::EnsembleRequest request, double size) {
         return std::complex(index.real(), k);
     };
     request.wavelength_nm *= longer;
+    request.phase_tolerance = std::numeric_limits<double>::infinity();
     request.refractive_index = absorbing(request.refractive_index);
     for (mie::ParticleCoating& coating : request.coatings)
         coating.refractive_index = absorbing(coating.refractive_index);
