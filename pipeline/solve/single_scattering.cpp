@@ -93,8 +93,8 @@ mie::EnsembleRequest matrix_request(const ResolvedSpecies& species, std::size_t 
 
 /// The same by spheres of kLargestOwnMatrix: at a wavelength so much longer, and with absorption
 /// that is as much stronger, until nothing passes through a sphere. Opaque ones keep theirs, which
-/// shows in what they reflect. Points of P may have any error: light scattered once is the same with
-/// and without polarisation.
+/// shows in what they reflect. Points of P may have any error: light scattered once is the same
+/// with and without polarisation.
 mie::EnsembleRequest stand_in(mie::EnsembleRequest request, double size) {
     constexpr double opaque_k = 0.04;  // exp(-4 k x) = 7e-5 along the diameter
     const double longer = size / kLargestOwnMatrix;

@@ -157,9 +157,14 @@ int FeatureOrders::last(int m, int highest, double scale, double tolerance,
     if (above_.empty()) sum_orders();
     const std::vector<int> orders = higher_orders(m, scale, tolerance);
     int last = m;
+    left_ = 0.0;
     for (const int order : orders) {
         if (order >= highest) break;
-        if (!(2.0 * size_of(order) * (orders.back() - m) <= tolerance)) last = order;
+        const double all = 2.0 * size_of(order) * (orders.back() - m);
+        if (all <= tolerance)
+            left_ = std::max(left_, all);
+        else
+            last = order;
     }
     return last;
 }
@@ -376,7 +381,7 @@ MultipleScattering sum_fourier_orders(const ScaledStack& stack, const StackGrids
     }
     by_azimuth.finish();
     const bool are_all = m == highest && highest <= stack.moments;
-    sum.tail = are_all ? 0.0 : order_zero_over_sum * tail.remaining();
+    sum.tail = are_all ? 0.0 : order_zero_over_sum * std::max(tail.remaining(), features.left());
     if (coarser.settled(m - 1) != nullptr) sum.tail = std::max(sum.tail, coarser.difference());
     return sum;
 }

@@ -100,6 +100,9 @@ class FeatureOrders {
     int last(int m, int highest, double scale, double tolerance,
              const std::function<double(int order)>& size_of);
 
+    /// The sum of the orders that the last call of last() left out, by those that it solved.
+    double left() const { return left_; }
+
   private:
     void sum_orders();
     std::vector<int> higher_orders(int m, double scale, double tolerance) const;
@@ -107,6 +110,7 @@ class FeatureOrders {
     const ScaledStack& stack_;
     Eigen::VectorXd mu_;         ///< of incidences, in the topmost medium
     std::vector<double> above_;  ///< [m]: the sum of the orders above m, straight back
+    double left_ = 0.0;
 };
 
 /// R^m of light scattered more than once for m = 0, 1, ..., out x in (each times the components

@@ -3,6 +3,7 @@
 #include <miebrdf/ensemble.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <miebrdf/sphere.h>
@@ -224,6 +225,22 @@ TEST_CASE("errors of scattering matrices are within what is stated", "[mie][matr
         // As for scalar moments: 95 % of errors are below twice the estimate.
         CHECK(error <= 3 * matrix.optics.error_estimate + truth.optics.error_estimate);
     }
+}
+
+TEST_CASE("where no point of P counts, series err within what is stated, of fewer sizes",
+          "[mie][matrix][honesty]") {
+    auto request = gamma_of(3.0, 0.1, {2.6, 0});
+    request.tolerance = 1e-5;
+    const auto truth = mie::average_matrix(request);
+    request.tolerance = 1e-2;
+    const auto whole = mie::average_matrix(request);
+    request.phase_tolerance = std::numeric_limits<double>::infinity();
+    const auto matrix = mie::average_matrix(request);
+    const double error = difference(matrix, truth);
+    CAPTURE(error, matrix.optics.error_estimate, matrix.optics.size_nodes);
+    CHECK(matrix.optics.converged);
+    CHECK(matrix.optics.size_nodes < whole.optics.size_nodes);
+    CHECK(error <= 3 * matrix.optics.error_estimate + truth.optics.error_estimate);
 }
 
 TEST_CASE("a series that is cut short has the first coefficients of the whole", "[mie][matrix]") {
