@@ -166,10 +166,11 @@ struct Doubts {
 };
 
 // A floor for the difference of the last two solutions, which may agree by chance. `all` is the
-// difference of the first and the last one. A peak that is not resolved: near retro-reflection,
-// where glories that are resolved in part come and go with each number of nodes, errors were up to
-// twice `all`, and for light that meets the horizon within what n nodes resolve, 1 / (2n), up to
-// `all` (spheres of .3 to 12 um; docs/numerics.md).
+// difference of the first and the last one. Where a peak is not resolved, errors exceed `all`:
+// most are within twice `all` near retro-reflection, where glories that are resolved in part come
+// and go with each number of nodes. For light that meets the horizon within what n nodes resolve,
+// 1 / (2n), `all` itself is the floor, and errors of up to 2.3 times `all` were found (spheres of
+// .3 to 12 um; docs/internals/numerics-log.md).
 double least_difference(double all, bool slow, bool backwards, bool grazes) {
     if (slow) return backwards ? 2.0 * all : grazes ? all : kSharedError * all;
     return all < 1.0 ? all * std::sqrt(all) : all;

@@ -205,7 +205,8 @@ struct MatrixOptics {
 /// tens, about a second for hundreds (docs/maths-mie.md).
 ///
 /// @param request  of these: sizes, refractive_index, host_index, wavelength_nm, tolerance,
-///                 phase_floor, and highest_moment, the degree of the series (-1: all there is)
+///                 phase_floor, highest_moment, the degree of the series (-1: all there is), and
+///                 phase_tolerance where it is infinite: the error is that of the series alone
 /// @param run  runs pieces of the work; the result does not depend on it, bit for bit
 /// @throws UsageError  as average_over_sizes, and for spheres beyond kLargestMatrixSphere, with
 ///         the price. Not reaching the tolerance is an outcome: read `converged`.

@@ -85,7 +85,8 @@ def read_measured(
     Parameters
     ----------
     path : path
-        A table (CSV), CxF3, CGATS, ASD, AvaSoft, JCAMP-DX, iad's .rxt, ECOSTRESS, USGS splib, a BRDF file.
+        A table (CSV), CxF3, CGATS, ASD, AvaSoft, JCAMP-DX, iad's .rxt, ECOSTRESS, USGS splib, a
+        BRDF file.
     format, column : str
         A format by name, and one sample or column alone.
     quantity : str
