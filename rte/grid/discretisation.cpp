@@ -197,9 +197,9 @@ double least_gain(double apart, int coarse, int fine) {
 double estimate_error(const Solution& coarsest, const Solution& coarse, Solution& fine,
                       const JudgedValues& judged, const Doubts& doubts, double tolerance) {
     SolverReport& report = fine.report;
-    const auto& [slow, has_many, traps, glories_may_resolve] = doubts;
-    const bool by_chance = slow || !has_many;
-    const bool has_glory = glories_may_resolve && !judged.near_backwards.empty() &&
+    const bool has_many = doubts.has_many;
+    const bool by_chance = doubts.slow || !has_many;
+    const bool has_glory = doubts.glories_may_resolve && !judged.near_backwards.empty() &&
                            (coarsest.has_glory || fine.has_glory);
     const double resolved_cosine = 0.5 / report.streams;
     const auto last_at = [&](std::size_t k, double scale) {
@@ -207,8 +207,8 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
         if (!coarsest.physical || !by_chance) return last;
         const double both = difference(coarsest.values[k], fine.values[k], scale);
         const bool grazes = !judged.cosines.empty() && judged.cosines[k] < resolved_cosine;
-        return std::max(
-            last, least_difference(both, slow, has_glory && judged.near_backwards[k], grazes));
+        return std::max(last, least_difference(both, doubts.slow,
+                                               has_glory && judged.near_backwards[k], grazes));
     };
     double gain = 1.0, before = 0.0, now = 0.0;
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
@@ -216,7 +216,7 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
             keep_largest(before, difference(coarsest.values[k], coarse.values[k], scale));
         keep_largest(now, last_at(k, scale));
     });
-    if (coarsest.physical && !slow && now < before && now < 1.0) {
+    if (coarsest.physical && !doubts.slow && now < before && now < 1.0) {
         // With many values q is trusted as the ratio of a geometric series: rest q / (1 - q).
         const double q = now / before;
         const double rest = has_many ? std::min(1.0, q / (1.0 - q)) : q;
@@ -229,7 +229,7 @@ double estimate_error(const Solution& coarsest, const Solution& coarse, Solution
     fine.errors.clear();
     visit_values(fine.values, judged, [&](std::size_t k, double scale) {
         double error = gain * last_at(k, scale);
-        if (traps && coarsest.physical) {
+        if (doubts.traps && coarsest.physical) {
             keep_largest(error,
                          kSharedError * difference(coarsest.values[k], fine.values[k], scale));
         }
