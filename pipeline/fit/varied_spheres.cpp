@@ -33,9 +33,10 @@ SphereChange change_of(Species a, Species b, const Scene& scene, const Scene& ot
     const bool is_alike = a.sizes == b.sizes &&
                           sizes.effective_radius_um == others.effective_radius_um &&
                           sizes.effective_variance == others.effective_variance;
-    const bool has_width = mie::has_variance(sizes.kind) && !has_smooth_phase(a);
+    const bool has_width = mie::has_variance(sizes.kind);
     a.sizes = b.sizes = {};
-    if (a != b) return SphereChange::other;
+    // Shapes are given to averages, which stay the same.
+    if (averaged_words(std::move(a)) != averaged_words(std::move(b))) return SphereChange::other;
     if (is_alike) return SphereChange::none;
     return has_width ? SphereChange::sizes : SphereChange::other;
 }

@@ -7,8 +7,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
-#include "pipeline/solve/coated.h"
+#include "pipeline/solve/resolver.h"
 #include "rte/first_order/first_order.h"
 
 namespace miebrdf {
@@ -45,6 +46,8 @@ constexpr double kPlateFactor = 0.788, kSpheroidFactor = 0.929, kKochFactor = 0.
 /// Effective radius of a Koch flake over half of the diameter that eq. 7 is written in.
 constexpr double kKochDiameter = 0.544;
 constexpr double kLargestAsymmetry = 0.99;
+/// Two lobes have chi_1 ... chi_3; one has chi_1.
+constexpr int kMomentsOfTwoLobes = 3;
 constexpr double kSphereB = 1.25, kReflectedByGrain = 0.0611;
 /// Real indices of ice between 0.2 and 5 um lie within; the coefficients are for no other.
 constexpr double kLeastIceIndex = 0.9, kMostIceIndex = 1.7;
@@ -100,10 +103,47 @@ rte::Optics lobes(const DoubleLobe& lobe, double albedo, double one_minus_albedo
 
 }  // namespace
 
+namespace {
+
+bool has_exact_shape(const Species& species) {
+    return species.shape == GrainShape{} || species.shape.by_t_matrix;
+}
+
+}  // namespace
+
 bool has_smooth_phase(const Species& species) {
-    const bool is_exact = species.shape == GrainShape{} || species.shape.by_t_matrix;
-    const PhaseForm by_default = is_exact ? PhaseForm::mie : PhaseForm::henyey_greenstein;
+    const PhaseForm by_default =
+        has_exact_shape(species) ? PhaseForm::mie : PhaseForm::henyey_greenstein;
     return species.phase.value_or(by_default) != PhaseForm::mie;
+}
+
+Species averaged_words(Species species) {
+    if (!has_smooth_phase(species)) return species;
+    species.phase.reset();
+    if (!species.shape.by_t_matrix) species.shape = {};
+    return species;
+}
+
+ResolvedSpecies averaged_particles(const ResolvedSpecies& species, std::size_t w) {
+    ResolvedSpecies one{.species = averaged_words(species.species),
+                        .particles = {species.particles[w]},
+                        .wavelength_nm = {species.wavelength_nm[w]},
+                        .sizes = species.sizes,
+                        .effective_radius_um = species.effective_radius_um,
+                        .outer_radius_um = species.outer_radius_um,
+                        .spectrum = species.spectrum};
+    one.key = {species_key(one, 0)};
+    return one;
+}
+
+OpticsDemand demand_of_average(const Species& smooth, const OpticsDemand& demand) {
+    const bool is_double = smooth.phase == PhaseForm::double_henyey_greenstein;
+    return {.highest_moment = is_double ? kMomentsOfTwoLobes : 1, .tolerance = demand.tolerance};
+}
+
+bool is_of_average(const OpticsDemand& demand) {
+    return demand.highest_moment >= 1 && demand.highest_moment <= kMomentsOfTwoLobes &&
+           !demand.whole_phase_function && !demand.polarisation;
 }
 
 double grain_asymmetry(const GrainShape& shape, double wavelength_nm, double effective_radius_um,
@@ -149,31 +189,28 @@ DoubleLobe double_lobe(double chi1, double chi2, double chi3) {
 }
 
 MediumOptics smooth_optics(const ResolvedSpecies& species, std::size_t w,
-                           const OpticsDemand& demand, const mie::Executor& run) {
+                           const OpticsDemand& demand, const MediumOptics& spheres) {
     const Species& words = species.species;
-    const bool is_double = words.phase == PhaseForm::double_henyey_greenstein;
-    mie::EnsembleRequest request = particles_of(species, w);
-    request.highest_moment = is_double ? 3 : 1;
-    request.tolerance = demand.tolerance;
-    const mie::EnsembleOptics spheres = mie::average_over_sizes(request, run);
     MediumOptics result;
     result.q_ext = spheres.q_ext;
     result.error_estimate = spheres.error_estimate;
     result.converged = spheres.converged;
-    double absorbed = spheres.one_minus_albedo, albedo = spheres.single_scattering_albedo;
+    double absorbed = spheres.optics.one_minus_albedo,
+           albedo = spheres.optics.single_scattering_albedo;
     if (words.shape.absorption) {
         absorbed = enhanced_absorption(*words.shape.absorption, absorbed);
         albedo = 1.0 - absorbed;
     }
     double g = spheres.asymmetry;
     if (words.shape.kind != Grain::sphere) {
-        g = grain_asymmetry(words.shape, request.wavelength_nm, species.effective_radius_um,
+        g = grain_asymmetry(words.shape, species.wavelength_nm[w], species.effective_radius_um,
                             albedo);
     }
     g = words.shape.asymmetry.value_or(g);
     DoubleLobe lobe{.forward = g};
-    if (is_double) {
-        lobe = double_lobe(spheres.chi[1], spheres.chi[2], spheres.chi[3]);
+    if (words.phase == PhaseForm::double_henyey_greenstein) {
+        const std::vector<double>& chi = spheres.optics.chi;
+        lobe = double_lobe(chi[1], chi[2], chi[3]);
         // A lobe is smoothed by one of asymmetry a when its own is multiplied with a.
         const double a = spheres.asymmetry == 0.0 ? 1.0 : g / spheres.asymmetry;
         const double most = std::max(std::abs(lobe.forward), std::abs(lobe.backward));

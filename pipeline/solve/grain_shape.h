@@ -40,9 +40,25 @@ struct DoubleLobe {
 /// @throws UsageError  where no two lobes have these moments
 DoubleLobe double_lobe(double chi1, double chi2, double chi3);
 
-/// One species with a smooth phase function at one wavelength, computed.
+/// The same particles with the phase function of Mie theory: their averages over sizes are what a
+/// smooth phase function is made from. Others, which keep their own, are returned as they are.
+Species averaged_words(Species species);
+
+/// averaged_words at one wavelength, which becomes the first.
+/// @pre species.needs_mie()
+ResolvedSpecies averaged_particles(const ResolvedSpecies& species, std::size_t w);
+
+/// What is demanded of averaged_particles: extinction, albedo, and chi_1 or chi_1 ... chi_3.
+OpticsDemand demand_of_average(const Species& smooth, const OpticsDemand& demand);
+
+/// Whether a demand is of averages for a smooth phase function.
+bool is_of_average(const OpticsDemand& demand);
+
+/// One species with a smooth phase function at one wavelength.
+/// @param spheres  averaged_particles, as much as demand_of_average asks for
+/// @throws UsageError  where no two lobes have the moments of the spheres
 MediumOptics smooth_optics(const ResolvedSpecies& species, std::size_t w,
-                           const OpticsDemand& demand, const mie::Executor& run);
+                           const OpticsDemand& demand, const MediumOptics& spheres);
 
 /// Refuses grains of what their coefficients do not describe. @throws UsageError
 void require_grains(const ResolvedSpecies& species);

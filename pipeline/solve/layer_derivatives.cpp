@@ -104,49 +104,67 @@ class ChangedSpheres {
         for (std::size_t s = 0; s < medium_of(middle).species.size(); ++s) {
             const ResolvedSpecies& species = medium_of(middle).species[s];
             if (!species.needs_mie()) continue;
-            std::vector<std::size_t> alike, places;
-            std::vector<SpeciesChange> different;
-            for (std::size_t c = 0; c < changes_.size(); ++c) {
-                const SpeciesChange change{&medium_of(changes_[c]->plus).species[s],
-                                           &medium_of(changes_[c]->minus).species[s]};
-                const bool is_same =
-                    change.plus->key[w] == species.key[w] && change.minus->key[w] == species.key[w];
-                (is_same ? alike : places).push_back(c);
-                if (!is_same) different.push_back(change);
+            std::vector<SpeciesChange> changes;
+            for (const SceneChange* const change : changes_) {
+                changes.push_back(
+                    {&medium_of(change->plus).species[s], &medium_of(change->minus).species[s]});
             }
-            // Smooth phase functions are computed whenever they are asked for.
-            if (has_smooth_phase(species.species) && different.empty()) continue;
             const OpticsDemand demand = crowd_demand(species, of_all);
-            const mie::Executor pieces = pieces_of_job(control_);
-            const auto hash = [&](const ResolvedSpecies& one) {
-                return optics_hash(one, w, demand);
-            };
-            const MediumOptics known = species_optics(control_, species, w, demand, pieces);
-            for (const std::size_t c : alike) {
-                plus_[c].memo->keep(hash(species), known);
-                minus_[c].memo->keep(hash(species), known);
-            }
-            if (different.empty()) continue;
-            const bool has_lattice =
-                lattice_of(control_, species, demand) != nullptr &&
-                std::all_of(different.begin(), different.end(), [&](const SpeciesChange& change) {
-                    return is_resized(species, change, w);
-                });
-            if (has_lattice) {
-                for (std::size_t i = 0; i < places.size(); ++i) {
-                    const auto& [plus, minus] = different[i];
-                    plus_[places[i]].memo->keep(hash(*plus),
-                                                species_optics(control_, *plus, w, demand, pieces));
-                    minus_[places[i]].memo->keep(
-                        hash(*minus), species_optics(control_, *minus, w, demand, pieces));
-                }
+            if (!has_smooth_phase(species.species)) {
+                keep(species, changes, w, demand);
                 continue;
             }
-            const auto changed = remembered_changes(known, species, different, w, demand, pieces);
-            for (std::size_t i = 0; i < places.size(); ++i) {
-                plus_[places[i]].memo->keep(hash(*different[i].plus), changed[i].first);
-                minus_[places[i]].memo->keep(hash(*different[i].minus), changed[i].second);
+            // Smooth phase functions are made anew whenever they are asked for.
+            std::vector<std::pair<ResolvedSpecies, ResolvedSpecies>> averaged;
+            averaged.reserve(changes.size());
+            for (SpeciesChange& change : changes) {
+                averaged.emplace_back(averaged_particles(*change.plus, w),
+                                      averaged_particles(*change.minus, w));
+                change = {&averaged.back().first, &averaged.back().second};
             }
+            keep(averaged_particles(species, w), changes, 0,
+                 demand_of_average(species.species, demand));
+        }
+    }
+
+    /// @param changes  one for each of changes_
+    void keep(const ResolvedSpecies& species, const std::vector<SpeciesChange>& changes,
+              std::size_t w, const OpticsDemand& demand) {
+        const mie::Executor pieces = pieces_of_job(control_);
+        const auto hash = [&](const ResolvedSpecies& one) { return optics_hash(one, w, demand); };
+        const MediumOptics known = species_optics(control_, species, w, demand, pieces);
+        std::vector<std::size_t> places;
+        std::vector<SpeciesChange> different;
+        for (std::size_t c = 0; c < changes.size(); ++c) {
+            const auto& [plus, minus] = changes[c];
+            if (plus->key[w] == species.key[w] && minus->key[w] == species.key[w]) {
+                plus_[c].memo->keep(hash(species), known);
+                minus_[c].memo->keep(hash(species), known);
+                continue;
+            }
+            places.push_back(c);
+            different.push_back(changes[c]);
+        }
+        if (different.empty()) return;
+        const bool has_lattice =
+            lattice_of(control_, species, demand) != nullptr &&
+            std::all_of(different.begin(), different.end(), [&](const SpeciesChange& change) {
+                return is_resized(species, change, w);
+            });
+        if (has_lattice) {
+            for (std::size_t i = 0; i < places.size(); ++i) {
+                const auto& [plus, minus] = different[i];
+                plus_[places[i]].memo->keep(hash(*plus),
+                                            species_optics(control_, *plus, w, demand, pieces));
+                minus_[places[i]].memo->keep(hash(*minus),
+                                             species_optics(control_, *minus, w, demand, pieces));
+            }
+            return;
+        }
+        const auto changed = remembered_changes(known, species, different, w, demand, pieces);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            plus_[places[i]].memo->keep(hash(*different[i].plus), changed[i].first);
+            minus_[places[i]].memo->keep(hash(*different[i].minus), changed[i].second);
         }
     }
 

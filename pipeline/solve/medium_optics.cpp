@@ -47,16 +47,17 @@ class JobList {
         std::set<const ResolvedSpecies*> sampled;
         for (const auto [species, w] : jobs_) {
             const OpticsDemand demand = crowd_demand(*species, of_all);
-            if (is_sampled(control, *species, demand) && sampled.insert(species).second)
+            const OpticsDemand averaged = has_smooth_phase(species->species)
+                                              ? demand_of_average(species->species, demand)
+                                              : demand;
+            if (is_sampled(control, *species, averaged) && sampled.insert(species).second)
                 species_optics(control, *species, w, demand, pieces);
         }
         run_parallel("single scattering", jobs_.size(), control, [&](std::size_t j) {
             const auto [species, w] = jobs_[j];
             const OpticsDemand demand = crowd_demand(*species, of_all);
-            // Smooth phase functions are functions, not tables, and take milliseconds.
-            done[j] = species->needs_mie() && !has_smooth_phase(species->species)
-                          ? species_optics(control, *species, w, demand, pieces)
-                          : compute_optics(*species, w, demand, pieces);
+            done[j] = species->needs_mie() ? species_optics(control, *species, w, demand, pieces)
+                                           : compute_optics(*species, w, demand, pieces);
             if (species->crowded) done[j] = crowded(done[j], *species, w, demand.angles_deg);
         });
         return done;

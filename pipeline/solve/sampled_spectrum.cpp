@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "pipeline/cache/job_key.h"
-#include "pipeline/solve/grain_shape.h"
 #include "pipeline/solve/optics_memo.h"
 #include "pipeline/solve/parallel.h"
 #include "pipeline/solve/resolver.h"
@@ -219,7 +218,7 @@ bool is_sampled(const Control& control, const ResolvedSpecies& species,
 }
 
 bool can_be_sampled(const ResolvedSpecies& species) {
-    return species.needs_mie() && !has_smooth_phase(species.species) && has_width(species.sizes);
+    return species.needs_mie() && has_width(species.sizes);
 }
 
 std::shared_ptr<const ParticleSpectrum> spectrum_of(const ResolvedSpecies& all) {

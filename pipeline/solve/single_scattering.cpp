@@ -204,10 +204,9 @@ void require_computable(const ResolvedSpecies& species, std::size_t w, const Opt
 MediumOptics compute_optics(const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& demand, const mie::Executor& run) {
     if (species.needs_mie() && has_smooth_phase(species.species)) {
-        const auto smooth = [&](const mie::EnsembleRequest&, const mie::Executor& pieces) {
-            return smooth_optics(species, w, demand, pieces);
-        };
-        return average(smooth, species.species, particles_of(species, w), run);
+        const auto spheres = compute_optics(averaged_particles(species, w), 0,
+                                            demand_of_average(species.species, demand), run);
+        return smooth_optics(species, w, demand, spheres);
     }
     if (species.needs_mie() && demand.polarisation) return polarising(species, w, demand, run);
     if (species.needs_mie()) {
@@ -278,11 +277,6 @@ std::vector<std::pair<MediumOptics, MediumOptics>> changed_optics(
     const MediumOptics& known, const ResolvedSpecies& middle,
     const std::vector<SpeciesChange>& changes, std::size_t w, const OpticsDemand& demand,
     const mie::Executor& run) {
-    if (has_smooth_phase(middle.species)) {
-        throw UsageError(fmt::format(
-            "derivatives by sizes and indices are of spheres; '{}' has a shape of its own",
-            describe(middle.species)));
-    }
     mie::DifferenceDemand wanted;
     if (demand.polarisation) {
         wanted.matrix_degree = int(known.optics.chi.size()) - 1;

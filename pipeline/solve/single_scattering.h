@@ -86,6 +86,7 @@ struct SpeciesChange {
 /// The optics of both sides of changes of a species that is known: with the same sizes, and what
 /// these give.
 /// @param known  compute_optics of `middle`
+/// @pre middle's phase function is not a smooth one (averaged_particles)
 /// @return of `plus` and of `minus`, for each change
 std::vector<std::pair<MediumOptics, MediumOptics>> changed_optics(
     const MediumOptics& known, const ResolvedSpecies& middle,

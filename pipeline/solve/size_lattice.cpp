@@ -45,7 +45,7 @@ Stencil stencil_at(double x, double step) {
 /// share them.
 OpticsDemand demand_of_nodes(OpticsDemand demand) {
     constexpr int kMoments = 64;  // of 16 streams
-    if (!demand.whole_phase_function)
+    if (!demand.whole_phase_function && !is_of_average(demand))
         demand.highest_moment = std::max(demand.highest_moment, kMoments);
     return demand;
 }
@@ -97,8 +97,7 @@ std::shared_ptr<ResultCache> SizeLattice::cache_of(const ResolvedSpecies& specie
 }
 
 bool SizeLattice::covers(const ResolvedSpecies& species, const OpticsDemand& demand) const {
-    if (!species.needs_mie() || has_smooth_phase(species.species) || demand.polarisation)
-        return false;
+    if (!species.needs_mie() || demand.polarisation) return false;
     return has_width(species.sizes) && !is_fixed(species.sizes);
 }
 
@@ -138,10 +137,15 @@ const SizeLattice* lattice_of(const Control& control, const ResolvedSpecies& spe
 
 MediumOptics species_optics(const Control& control, const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& asked, const mie::Executor& run) {
+    if (has_smooth_phase(species.species)) {
+        return smooth_optics(species, w, asked,
+                             species_optics(control, averaged_particles(species, w), 0,
+                                            demand_of_average(species.species, asked), run));
+    }
     OpticsDemand demand = asked;
     const double whole = control.memo != nullptr ? control.memo->whole_tolerance : 0.0;
     if (whole > 0.0 && asked.tolerance >= whole && !asked.polarisation &&
-        asked.angles_deg.empty()) {
+        asked.angles_deg.empty() && !is_of_average(asked)) {
         demand.whole_phase_function = true;
         demand.tolerance = whole;
     }

@@ -55,7 +55,8 @@ class SizeLattice {
 const SizeLattice* lattice_of(const Control& control, const ResolvedSpecies& species,
                               const OpticsDemand& demand);
 
-/// A species from where it is known: from lattice_of, else as remembered_optics.
+/// A species of particles from where it is known: from lattice_of, else as remembered_optics; with
+/// a smooth phase function from averaged_particles that are known so.
 MediumOptics species_optics(const Control& control, const ResolvedSpecies& species, std::size_t w,
                             const OpticsDemand& demand, const mie::Executor& run);
 

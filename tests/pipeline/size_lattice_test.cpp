@@ -74,6 +74,32 @@ TEST_CASE("sizes close to each other share their lattice", "[pipeline][lattice]"
     CHECK(control.memo->found() == 4);
 }
 
+TEST_CASE("shapes are given to spheres of the lattice", "[pipeline][lattice]") {
+    const std::string grit = "index:1.6,0.001,variance=0.1,distribution=log-normal,";
+    const std::string shape =
+        GENERATE("phase=henyey-greenstein,absorption=1.6", "phase=double-henyey-greenstein");
+    CAPTURE(shape);
+    Control control;
+    control.memo = make_optics_memo();
+    control.memo->lattice = std::make_shared<const SizeLattice>(
+        SizeLattice::kFineStep, std::vector<mie::SizeDistribution>{}, false, nullptr);
+    const ResolvedSpecies grains = species_of(grit + "radius=3," + shape);
+    const MediumOptics between = species_optics(control, grains, 0, demand(false), kRun);
+    const MediumOptics exact = compute_optics(grains, 0, demand(false));
+    // As of spheres.
+    constexpr double kError = 1e-3;
+    CHECK(std::abs(between.optics.one_minus_albedo / exact.optics.one_minus_albedo - 1.0) <=
+          kError);
+    CHECK(std::abs(*between.q_ext / *exact.q_ext - 1.0) <= kError);
+    CHECK(std::abs(between.asymmetry - exact.asymmetry) <= kError);
+    CHECK(std::abs(between.phase[1] / exact.phase[1] - 1.0) <= 10.0 * kError);
+    CHECK(control.memo->found() == 0);
+    // Another asymmetry changes nothing of the spheres.
+    species_optics(control, species_of(grit + "radius=3.02," + shape + ",asymmetry=0.6"), 0,
+                   demand(false), kRun);
+    CHECK(control.memo->found() == 4);
+}
+
 TEST_CASE("spheres of one size, fixed sizes and analytic media are not interpolated",
           "[pipeline][lattice]") {
     const auto fixed = species_of("index:1.5,0.01,radius=0.5,variance=0.2");
