@@ -326,10 +326,12 @@ TEST_CASE("an interrupted fit keeps the best so far", "[fit]") {
 
 TEST_CASE("sizes from a lattice give the radius that averages of their own give", "[fit]") {
     require_fit();
+    const std::string shape = GENERATE("", ",phase=henyey-greenstein,absorption=1.6");
+    const std::string grains = "index:1.5,0.002,variance=0.1" + shape;
+    CAPTURE(grains);
     const std::vector<double> nm = {450, 550, 650, 800, 1000};
     const AlbedoValues truth =
-        solve(support::scene_of("index:1.5,0.002,radius=0.6,variance=0.1"), nm, {.tolerance = 1e-5})
-            .albedo({0.7});
+        solve(support::scene_of(grains + ",radius=0.6"), nm, {.tolerance = 1e-5}).albedo({0.7});
     FitData data{.name = "spectrum"};
     for (std::size_t w = 0; w < nm.size(); ++w)
         data.values.push_back({.wavelength_nm = nm[w],
@@ -337,7 +339,7 @@ TEST_CASE("sizes from a lattice give the radius that averages of their own give"
                                .value = truth.plane_albedo[w][0],
                                .sigma = 5e-3});
     const auto radius_of = [&](const std::string& law) {
-        return fit({.scene = {{"base", {"index:1.5,0.002,radius={r},variance=0.1" + law}}},
+        return fit({.scene = {{"base", {grains + ",radius={r}" + law}}},
                     .unknowns = {unknown("r", "0.9 in 0.3:3 log")},
                     .data = {data}});
     };
@@ -348,7 +350,7 @@ TEST_CASE("sizes from a lattice give the radius that averages of their own give"
     // Both the data's tolerance and the scene's are well below a standard error.
     CHECK(std::abs(value_of(smooth, "r").value - 0.6) <=
           0.5 * value_of(smooth, "r").standard_error);
-    // Spheres of one size have no lattice.
+    // Particles of one size have no lattice.
     CHECK_FALSE(radius_of(",distribution=mono").interpolation_shift);
 }
 
