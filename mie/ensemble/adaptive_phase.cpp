@@ -296,8 +296,7 @@ class PointSeries : public PanelRefinement {
     PointSeries(const Ensemble& ensemble, const PhaseGoal& goal, const Executor& run,
                 const Allowance& allowance, PhaseValues& result)
         : PanelRefinement(ensemble, goal, run), allowance_(allowance), result_(result) {
-        in_double_ =
-            !by_rays() && stated_error(0, goal.size_tolerance) < AverageLimits::kSingleError;
+        in_double_ = !by_rays() && !may_be_single(ensemble, goal.size_tolerance);
         if (allowance.is_absolute()) goal_.floor = AverageLimits::kDim;
     }
 

@@ -63,11 +63,12 @@ class MomentSummation : public SizeSummation {
           terms_(ensemble.terms()),
           band_width_(band_width(request, source)) {
         if (source == MomentSource::gauss_angles) {
-            at_angles_.emplace(terms_, std::min(request.highest_moment, 2 * terms_), run);
+            at_angles_.emplace(terms_, std::min(request.highest_moment, 2 * terms_),
+                               may_be_single(ensemble, request.tolerance), run);
         } else if (request.highest_moment >= 2) {  // chi_0 = 1 and chi_1 = g come free
             transform_.emplace(terms_, band_width_);
         }
-        in_single_ = !is_smooth_in_size(ensemble) &&
+        in_single_ = !is_smooth_in_size(ensemble) && !ensemble.law().single_size &&
                      request.tolerance >= AverageLimits::kLeastSingleTolerance;
     }
 
@@ -96,7 +97,7 @@ class MomentSummation : public SizeSummation {
 
     /// So many that time allows.
     int most_sizes() const {
-        const int columns = at_angles_ ? at_angles_->angles().angle_count() : band_width_ + 1;
+        const int columns = at_angles_ ? int(at_angles_->cosines().size()) : band_width_ + 1;
         return int(std::min(double(SizeRule::kMostEven),
                             AverageLimits::kMostProducts / (4.0 * terms_ * std::max(1, columns))));
     }

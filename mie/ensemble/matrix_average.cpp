@@ -65,7 +65,8 @@ class MatrixSummation : public SizeSummation {
           terms_(ensemble.terms()),
           degree_(degree_of(request, terms_)),
           rule_(math::gauss_legendre(node_count(terms_, degree_))),
-          angles_(cosines(), terms_, run) {}
+          angles_(
+              angular_tables(cosines(), terms_, may_be_single(ensemble, request.tolerance), run)) {}
 
     SizeSums sum(const SizeNodes& nodes, bool all) const override {
         SizeSumOptions options;
@@ -110,7 +111,8 @@ class MatrixSummation : public SizeSummation {
         optics.error_estimate = average.error_estimate;
         optics.converged = optics.error_estimate <= request_.tolerance;
         const Eigen::Index series = average.averages.size() - nodes();
-        put_series(average.averages.head(series).reshaped(degree_ + 1, 6).matrix(), result);
+        put_series(average.averages.head(series).reshaped(degree_ + 1, 6).matrix(),
+                   rounding_of_moments(angles_), result);
         const double dim = dim_phase(average.sums.spheres);
         Eigen::ArrayXd noise;
         if (average.change.size() > 0)
@@ -134,7 +136,7 @@ class MatrixSummation : public SizeSummation {
     const Executor& run_;
     int terms_, degree_;
     math::Quadrature rule_;
-    AngularFunctions angles_;
+    AngularTables angles_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 namespace miebrdf::mie {
 
 /// Sets moments and coefficients, of which a1_0 becomes 1 and the end that is rounding is cut off.
-void put_series(const Eigen::MatrixXd& series, MatrixOptics& matrix);
+/// @param rounding  of coefficients without 2l + 1, relative to a1_0
+void put_series(const Eigen::MatrixXd& series, double rounding, MatrixOptics& matrix);
 
 }  // namespace miebrdf::mie

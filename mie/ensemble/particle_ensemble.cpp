@@ -88,6 +88,10 @@ double allowed_error(const EnsembleRequest& request, std::size_t angle, double p
 
 }  // namespace
 
+bool may_be_single(const Ensemble& ensemble, double tolerance) {
+    return !ensemble.law().single_size && stated_error(0, tolerance) >= AverageLimits::kSingleError;
+}
+
 PhaseValues with_stated_errors(PhaseValues values, const EnsembleRequest& request) {
     if (SizeLaw::of(request.sizes.kind).single_size) return values;
     for (std::size_t i = 0; i < values.error.size(); ++i)

@@ -19,11 +19,12 @@ using Array = Eigen::ArrayXd;
 // Efficiencies, all moments, and P at the nodes.
 class SeriesSummation : public SizeSummation {
   public:
-    SeriesSummation(const Ensemble& ensemble, const Executor& run)
+    /// @param tolerance  the least that P and moments are asked for, relative
+    SeriesSummation(const Ensemble& ensemble, double tolerance, const Executor& run)
         : ensemble_(ensemble),
           run_(run),
           terms_(ensemble.terms()),
-          gauss_(terms_, 2 * terms_, run),
+          gauss_(terms_, 2 * terms_, may_be_single(ensemble, tolerance), run),
           theta_(gauss_.cosines().acos()) {}
 
     SizeSums sum(const SizeNodes& nodes, bool all) const override {
@@ -51,11 +52,7 @@ class SeriesSummation : public SizeSummation {
 
     /// All that are not rounding.
     std::vector<double> chi(const RefinedAverage& average) const {
-        Eigen::Index count = moment_count();
-        while (count > 2 &&
-               std::abs(average.averages[count - 1]) <= 4 * std::numeric_limits<double>::epsilon())
-            --count;
-        return {average.averages.begin(), average.averages.begin() + count};
+        return {average.averages.begin(), average.averages.begin() + length(average.averages)};
     }
     Array phase(const RefinedAverage& average) const { return average.averages.tail(nodes()); }
     /// 0 at each node where there is no last change.
@@ -75,13 +72,23 @@ class SeriesSummation : public SizeSummation {
     virtual double noise_over_allowed(const Array& change, const Array& averages,
                                       const SphereSums& sums) const = 0;
     Eigen::Index moment_count() const { return 2 * terms_ + 1; }
-    Eigen::Index nodes() const { return gauss_.angles().angle_count(); }
-    double noise_at(double theta, const Array& change) const {
-        return noise_around(theta, theta, change, theta_, std::numbers::pi / double(nodes()));
+    Eigen::Index nodes() const { return theta_.size(); }
+    /// The rms around an angle, as tables state it (table_of_series).
+    double noise_at(double theta, const Array& change, const Array& averages) const {
+        return noise_around(theta, theta, change, theta_,
+                            std::numbers::pi / double(length(averages)));
     }
     const Ensemble& ensemble() const { return ensemble_; }
 
   private:
+    /// Of the moments, without those that are rounding.
+    Eigen::Index length(const Array& averages) const {
+        Eigen::Index count = moment_count();
+        const double rounding = rounding_of_moments(gauss_.angles());
+        while (count > 2 && std::abs(averages[count - 1]) <= rounding) --count;
+        return count;
+    }
+
     const Ensemble& ensemble_;
     const Executor& run_;
     int terms_;
@@ -92,7 +99,8 @@ class SeriesSummation : public SizeSummation {
 class TableSummation : public SeriesSummation {
   public:
     TableSummation(const EnsembleRequest& request, const Ensemble& ensemble, const Executor& run)
-        : SeriesSummation(ensemble, run), request_(request) {}
+        : SeriesSummation(ensemble, least_tolerance(request, ensemble, run), run),
+          request_(request) {}
 
     double tolerance(const SphereSums& sums) const override {
         return wanted_error(request_, efficiencies_of(sums, ensemble().share));
@@ -107,16 +115,37 @@ class TableSummation : public SeriesSummation {
                               const SphereSums& sums) const override {
         const Array relative = change / averages.tail(nodes()).max(floor(sums));
         double largest = 0;
-        for (const double theta : angles()) largest = std::max(largest, noise_at(theta, relative));
-        return largest /
-               (std::max(bright(sums), DarkMedium::kLeastShare) * request_.phase_tolerance);
+        for (const double theta : angles())
+            largest = std::max(largest, noise_at(theta, relative, averages));
+        return largest / (share_of_tolerance(bright(sums)) * request_.phase_tolerance);
     }
 
   private:
-    double bright(const SphereSums& sums) const {
-        if (!(request_.phase_floor > 0)) return 1;
-        return half_space_albedo(efficiencies_of(sums, ensemble().share));
+    /// By the efficiencies of a few sizes, where absorption makes the medium dark.
+    static double least_tolerance(const EnsembleRequest& request, const Ensemble& ensemble,
+                                  const Executor& run) {
+        const double asked = std::min(request.tolerance, request.phase_tolerance);
+        const bool absorbs = ensemble.scatterer.damping(ensemble.effective_x()) > 0;
+        if (!absorbs || ensemble.law().single_size) return asked;
+        const SizeNodes few =
+            smooth_size_nodes(ensemble.sizes, ensemble.range, SizeRule::kFirstGauss);
+        const SphereSums sums =
+            sum_over_sizes(ensemble.scatterer, WeightedSizes(few, ensemble.wave_number_per_um), {},
+                           run)
+                .spheres;
+        return std::min(
+            wanted_error(request, efficiencies_of(sums, ensemble.share)),
+            share_of_tolerance(bright(request, ensemble, sums)) * request.phase_tolerance);
     }
+    static double share_of_tolerance(double bright) {
+        return std::max(bright, DarkMedium::kLeastShare);
+    }
+    static double bright(const EnsembleRequest& request, const Ensemble& ensemble,
+                         const SphereSums& sums) {
+        if (!(request.phase_floor > 0)) return 1;
+        return half_space_albedo(efficiencies_of(sums, ensemble.share));
+    }
+    double bright(const SphereSums& sums) const { return bright(request_, ensemble(), sums); }
 
     const EnsembleRequest& request_;
 };
@@ -124,12 +153,13 @@ class TableSummation : public SeriesSummation {
 class PointSummation : public SeriesSummation {
   public:
     PointSummation(const EnsembleRequest& request, const Ensemble& ensemble, const Executor& run)
-        : SeriesSummation(ensemble, run), request_(request) {}
+        : SeriesSummation(ensemble, request.phase_tolerance, run), request_(request) {}
 
     double tolerance(const SphereSums&) const override { return 1; }
 
-    double error_at(double angle_deg, const Array& change) const {
-        return AverageLimits::kDeviations * noise_at(angle_deg * std::numbers::pi / 180, change);
+    double error_at(double angle_deg, const Array& change, const Array& averages) const {
+        return AverageLimits::kDeviations *
+               noise_at(angle_deg * std::numbers::pi / 180, change, averages);
     }
 
   protected:
@@ -142,7 +172,7 @@ class PointSummation : public SeriesSummation {
             const double allowed = request_.phase_allowed.empty()
                                        ? request_.phase_tolerance * least_counted(chi, angle)
                                        : request_.phase_allowed[i];
-            largest = std::max(largest, error_at(angle, change) / allowed);
+            largest = std::max(largest, error_at(angle, change, averages) / allowed);
         }
         return largest;
     }
@@ -160,10 +190,11 @@ class PointSummation : public SeriesSummation {
 
 }  // namespace
 
-GaussMoments::GaussMoments(int terms, int highest_moment, const Executor& run)
+GaussMoments::GaussMoments(int terms, int highest_moment, bool single_precision,
+                           const Executor& run)
     : highest_(highest_moment),
       rule_(math::gauss_legendre(terms + highest_moment / 2 + 1)),
-      angles_(cosines(), terms, run) {}
+      angles_(angular_tables(cosines(), terms, single_precision, run)) {}
 
 std::vector<double> GaussMoments::of(const Eigen::VectorXd& intensity) const {
     const Eigen::Index count = intensity.size();
@@ -214,7 +245,7 @@ PhaseValues phase_series_at_angles(const EnsembleRequest& request, const Ensembl
     PhaseValues values;
     for (const double angle : request.angles_deg) {
         values.phase.push_back(math::legendre_series(chi, cosine_of_scattering_angle(angle)));
-        values.error.push_back(summation.error_at(angle, change));
+        values.error.push_back(summation.error_at(angle, change, average.averages));
     }
     return values;
 }

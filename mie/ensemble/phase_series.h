@@ -14,15 +14,15 @@ namespace miebrdf::mie {
 
 /// Moments from the intensity at Gauss nodes in cos(angle), for ensembles whose bands of products
 /// would be as wide as they are long. P has the degree 2 * terms, so that nothing but rounding is
-/// lost; in double precision. Each size takes as many multiply-adds as 8 * terms * nodes, where a
-/// band with all moments has twice as few, but takes terms^3 after each pass.
+/// lost. Each size takes as many multiply-adds as 8 * terms * nodes, where a band with all moments
+/// has twice as few, but takes terms^3 after each pass.
 class GaussMoments {
   public:
     /// @param terms           partial waves of the largest sphere
     /// @param highest_moment  0 to 2 * terms
-    GaussMoments(int terms, int highest_moment, const Executor& run);
+    GaussMoments(int terms, int highest_moment, bool single_precision, const Executor& run);
 
-    const AngularFunctions& angles() const { return angles_; }
+    const AngularTables& angles() const { return angles_; }
     Eigen::Map<const Eigen::ArrayXd> cosines() const {
         return {rule_.nodes.data(), Eigen::Index(rule_.nodes.size())};
     }
@@ -32,7 +32,7 @@ class GaussMoments {
   private:
     int highest_;
     math::Quadrature rule_;
-    AngularFunctions angles_;
+    AngularTables angles_;
 };
 
 /// Whether all moments and P cost about as much as the spheres themselves.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -51,13 +52,14 @@ SizeSums sum_over_blocks(const Scatterer& scatterer, const WeightedSizes& sizes,
                          const SizeSumOptions& options,
                          const std::vector<SizeChunks::Block>& blocks) {
     const bool with_moments = options.band_width >= 0;
-    const bool with_waves = with_moments || options.angles != nullptr;
+    const auto* angles = std::get_if<AngularFunctionsOf<Scalar>>(options.angles);
+    const bool with_waves = with_moments || angles != nullptr;
     SizeSums sums;
     if (with_moments) sums.covariance = BandCovariance(options.terms, options.band_width);
-    if (options.angles && options.with_matrix) {
-        sums.products = Eigen::ArrayXXd::Zero(options.angles->angle_count(), 4);
-    } else if (options.angles) {
-        sums.intensity = Eigen::VectorXd::Zero(options.angles->angle_count());
+    if (angles && options.with_matrix) {
+        sums.products = Eigen::ArrayXXd::Zero(angles->angle_count(), 4);
+    } else if (angles) {
+        sums.intensity = Eigen::VectorXd::Zero(angles->angle_count());
     }
     SphereBlockOf<Scalar> block;
     if (with_waves) {
@@ -71,12 +73,10 @@ SizeSums sum_over_blocks(const Scatterer& scatterer, const WeightedSizes& sizes,
                                          {sizes.weights.data() + first, here},
                                          with_waves ? &block : nullptr, &sums.every_other));
         if (with_moments) sums.covariance.add(block);
-        if constexpr (std::is_same_v<Scalar, double>) {
-            if (options.angles && options.with_matrix) {
-                options.angles->add_products(block, sums.products);
-            } else if (options.angles) {
-                options.angles->add_intensity(block, sums.intensity);
-            }
+        if (angles && options.with_matrix) {
+            angles->add_products(block, sums.products);
+        } else if (angles) {
+            angles->add_intensity(block, sums.intensity);
         }
     }
     return sums;
@@ -355,6 +355,16 @@ void AngularFunctionsOf<Scalar>::add_products(const SphereBlockOf<Scalar>& block
 template class AngularFunctionsOf<float>;
 template class AngularFunctionsOf<double>;
 
+AngularTables angular_tables(const Eigen::ArrayXd& cosines, int terms, bool single_precision,
+                             const Executor& run) {
+    if (single_precision) return AngularFunctionsOf<float>(cosines, terms, run);
+    return AngularFunctions(cosines, terms, run);
+}
+
+double rounding_of_moments(const AngularTables& tables) {
+    return is_single(tables) ? 5e-9 : 4 * std::numeric_limits<double>::epsilon();
+}
+
 WeightedSizes::WeightedSizes(const SizeNodes& nodes, double wave_number_per_um) {
     for (std::size_t i = 0; i < nodes.radius_um.size(); ++i) {
         const double x = wave_number_per_um * nodes.radius_um[i];
@@ -406,13 +416,13 @@ SizeSums sum_over_sizes(const Scatterer& scatterer, const WeightedSizes& sizes,
                         const SizeSumOptions& options, const Executor& run) {
     const int count = static_cast<int>(sizes.parameters.size());
     const SizeChunks chunks(count, most_chunks(count, options));
+    const bool in_single = options.angles ? is_single(*options.angles) : options.single_precision;
     std::vector<SizeSums> parts(chunks.count());
     run(chunks.count(), [&](int job) {
         const int chunk = chunk_of_job(job, chunks.count());
         const auto blocks = chunks.blocks(chunk);
-        parts[chunk] = options.single_precision && !options.angles
-                           ? sum_over_blocks<float>(scatterer, sizes, options, blocks)
-                           : sum_over_blocks<double>(scatterer, sizes, options, blocks);
+        parts[chunk] = in_single ? sum_over_blocks<float>(scatterer, sizes, options, blocks)
+                                 : sum_over_blocks<double>(scatterer, sizes, options, blocks);
     });
     SizeSums total = std::move(parts[0]);
     for (int chunk = 1; chunk < chunks.count(); ++chunk) total.add(parts[chunk]);

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include <miebrdf/ensemble.h>
@@ -111,6 +112,21 @@ class AngularFunctionsOf {
 
 using AngularFunctions = AngularFunctionsOf<double>;
 
+/// Tables in the precision that the sums at their angles have.
+using AngularTables = std::variant<AngularFunctions, AngularFunctionsOf<float>>;
+
+/// Tables at cosines in [-1, 1].
+AngularTables angular_tables(const Eigen::ArrayXd& cosines, int terms, bool single_precision,
+                             const Executor& run);
+
+inline bool is_single(const AngularTables& tables) {
+    return std::holds_alternative<AngularFunctionsOf<float>>(tables);
+}
+
+/// What rounding leaves of moments beyond the last, relative to chi_0: measured in single precision
+/// for up to 60 partial waves (of more, which shrink more slowly, double precision cuts off none).
+double rounding_of_moments(const AngularTables& tables);
+
 /// Sums over sizes, weighted by their share of the geometric cross-section over x^2.
 struct SizeSums {
     SphereSums spheres;
@@ -126,11 +142,11 @@ struct SizeSums {
 
 /// The sums that are wanted besides efficiencies and g.
 struct SizeSumOptions {
-    int terms = 0;                             ///< partial waves of the largest sphere
-    int band_width = -1;                       ///< of the covariance; -1: none
-    bool single_precision = false;             ///< of products; not with angles
-    const AngularFunctions* angles = nullptr;  ///< in double precision
-    bool with_matrix = false;                  ///< products at the angles, not intensities
+    int terms = 0;                          ///< partial waves of the largest sphere
+    int band_width = -1;                    ///< of the covariance; -1: none
+    bool single_precision = false;          ///< of products; with angles that of their tables
+    const AngularTables* angles = nullptr;  ///< where intensities are summed
+    bool with_matrix = false;               ///< products at the angles, not intensities
 };
 
 /// Size parameters and weights of nodes, for compute_spheres.

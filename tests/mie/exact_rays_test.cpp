@@ -114,7 +114,7 @@ TEST_CASE("P at listed angles by rays is within its stated error", "[mie][rays][
     const double k = problem.wave_number_per_um;
     mie::SizeSumOptions sums;
     sums.terms = mie::number_of_terms(k * problem.range.largest_um);
-    const mie::AngularFunctions functions(request.angles_deg, sums.terms);
+    const mie::AngularTables functions = mie::AngularFunctions(request.angles_deg, sums.terms);
     sums.angles = &functions;
     const auto spheres = mie::sum_over_sizes(
         problem.scatterer,

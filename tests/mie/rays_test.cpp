@@ -287,7 +287,7 @@ TEST_CASE("phase tables by rays are within their stated noise", "[mie][rays][hon
     for (double angle = 1; angle <= 180; angle += 1) angles_deg.push_back(angle);
     mie::SizeSumOptions sums;
     sums.terms = mie::number_of_terms(k * problem.range.largest_um);
-    const mie::AngularFunctions functions(angles_deg, sums.terms);
+    const mie::AngularTables functions = mie::AngularFunctions(angles_deg, sums.terms);
     sums.angles = &functions;
     Eigen::VectorXd P[2];
     double scattered = 0;
