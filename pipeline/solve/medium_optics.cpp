@@ -71,6 +71,7 @@ class JobList {
 std::vector<MediumOptics> chosen(const std::vector<MediumOptics>& all,
                                  const std::vector<std::size_t>& which) {
     std::vector<MediumOptics> some;
+    some.reserve(which.size());
     for (const std::size_t i : which) some.push_back(all[i]);
     return some;
 }
