@@ -111,8 +111,7 @@ class MatrixSummation : public SizeSummation {
         optics.error_estimate = average.error_estimate;
         optics.converged = optics.error_estimate <= request_.tolerance;
         const Eigen::Index series = average.averages.size() - nodes();
-        put_series(average.averages.head(series).reshaped(degree_ + 1, 6).matrix(),
-                   rounding_of_moments(angles_), result);
+        put_series(average.averages.head(series).reshaped(degree_ + 1, 6).matrix(), result);
         const double dim = dim_phase(average.sums.spheres);
         Eigen::ArrayXd noise;
         if (average.change.size() > 0)

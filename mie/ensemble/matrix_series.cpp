@@ -1,13 +1,15 @@
 #include "mie/ensemble/matrix_series.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 namespace miebrdf::mie {
-void put_series(const Eigen::MatrixXd& series, double rounding, MatrixOptics& matrix) {
-    const double least = rounding * series(0, 0);
+void put_series(const Eigen::MatrixXd& series, MatrixOptics& matrix) {
+    // Coefficients without 2l + 1 that are rounding of the sums are left out.
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * series(0, 0);
     Eigen::Index count = series.rows();
-    while (count > 1 && series.row(count - 1).cwiseAbs().maxCoeff() <= least) --count;
+    while (count > 1 && series.row(count - 1).cwiseAbs().maxCoeff() <= rounding) --count;
     const Eigen::MatrixXd kept = series.topRows(count) / series(0, 0);
     const Eigen::ArrayXd two_l_1 = 2.0 * Eigen::ArrayXd::LinSpaced(count, 0, double(count - 1)) + 1;
     const auto list = [&](int column) {

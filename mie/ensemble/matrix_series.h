@@ -8,7 +8,6 @@
 namespace miebrdf::mie {
 
 /// Sets moments and coefficients, of which a1_0 becomes 1 and the end that is rounding is cut off.
-/// @param rounding  of coefficients without 2l + 1, relative to a1_0
-void put_series(const Eigen::MatrixXd& series, double rounding, MatrixOptics& matrix);
+void put_series(const Eigen::MatrixXd& series, MatrixOptics& matrix);
 
 }  // namespace miebrdf::mie

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <miebrdf/error.h>
+#include "mie/ensemble/size_refinement.h"
 
 namespace miebrdf::mie {
 
@@ -89,7 +90,9 @@ double allowed_error(const EnsembleRequest& request, std::size_t angle, double p
 }  // namespace
 
 bool may_be_single(const Ensemble& ensemble, double tolerance) {
-    return !ensemble.law().single_size && stated_error(0, tolerance) >= AverageLimits::kSingleError;
+    return !ensemble.law().single_size &&
+           ensemble.scatterer.outer_x(ensemble.largest_x()) >= SizeRule::kSmallSphere &&
+           stated_error(0, tolerance) >= AverageLimits::kSingleError;
 }
 
 PhaseValues with_stated_errors(PhaseValues values, const EnsembleRequest& request) {

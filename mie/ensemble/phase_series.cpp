@@ -52,7 +52,11 @@ class SeriesSummation : public SizeSummation {
 
     /// All that are not rounding.
     std::vector<double> chi(const RefinedAverage& average) const {
-        return {average.averages.begin(), average.averages.begin() + length(average.averages)};
+        Eigen::Index count = moment_count();
+        while (count > 2 &&
+               std::abs(average.averages[count - 1]) <= 4 * std::numeric_limits<double>::epsilon())
+            --count;
+        return {average.averages.begin(), average.averages.begin() + count};
     }
     Array phase(const RefinedAverage& average) const { return average.averages.tail(nodes()); }
     /// 0 at each node where there is no last change.
@@ -73,22 +77,12 @@ class SeriesSummation : public SizeSummation {
                                       const SphereSums& sums) const = 0;
     Eigen::Index moment_count() const { return 2 * terms_ + 1; }
     Eigen::Index nodes() const { return theta_.size(); }
-    /// The rms around an angle, as tables state it (table_of_series).
-    double noise_at(double theta, const Array& change, const Array& averages) const {
-        return noise_around(theta, theta, change, theta_,
-                            std::numbers::pi / double(length(averages)));
+    double noise_at(double theta, const Array& change) const {
+        return noise_around(theta, theta, change, theta_, std::numbers::pi / double(nodes()));
     }
     const Ensemble& ensemble() const { return ensemble_; }
 
   private:
-    /// Of the moments, without those that are rounding.
-    Eigen::Index length(const Array& averages) const {
-        Eigen::Index count = moment_count();
-        const double rounding = rounding_of_moments(gauss_.angles());
-        while (count > 2 && std::abs(averages[count - 1]) <= rounding) --count;
-        return count;
-    }
-
     const Ensemble& ensemble_;
     const Executor& run_;
     int terms_;
@@ -115,8 +109,7 @@ class TableSummation : public SeriesSummation {
                               const SphereSums& sums) const override {
         const Array relative = change / averages.tail(nodes()).max(floor(sums));
         double largest = 0;
-        for (const double theta : angles())
-            largest = std::max(largest, noise_at(theta, relative, averages));
+        for (const double theta : angles()) largest = std::max(largest, noise_at(theta, relative));
         return largest / (share_of_tolerance(bright(sums)) * request_.phase_tolerance);
     }
 
@@ -125,8 +118,8 @@ class TableSummation : public SeriesSummation {
     static double least_tolerance(const EnsembleRequest& request, const Ensemble& ensemble,
                                   const Executor& run) {
         const double asked = std::min(request.tolerance, request.phase_tolerance);
-        const bool absorbs = ensemble.scatterer.damping(ensemble.effective_x()) > 0;
-        if (!absorbs || ensemble.law().single_size) return asked;
+        if (ensemble.law().single_size || !(ensemble.scatterer.damping(ensemble.effective_x()) > 0))
+            return asked;
         const SizeNodes few =
             smooth_size_nodes(ensemble.sizes, ensemble.range, SizeRule::kFirstGauss);
         const SphereSums sums =
@@ -157,9 +150,8 @@ class PointSummation : public SeriesSummation {
 
     double tolerance(const SphereSums&) const override { return 1; }
 
-    double error_at(double angle_deg, const Array& change, const Array& averages) const {
-        return AverageLimits::kDeviations *
-               noise_at(angle_deg * std::numbers::pi / 180, change, averages);
+    double error_at(double angle_deg, const Array& change) const {
+        return AverageLimits::kDeviations * noise_at(angle_deg * std::numbers::pi / 180, change);
     }
 
   protected:
@@ -172,7 +164,7 @@ class PointSummation : public SeriesSummation {
             const double allowed = request_.phase_allowed.empty()
                                        ? request_.phase_tolerance * least_counted(chi, angle)
                                        : request_.phase_allowed[i];
-            largest = std::max(largest, error_at(angle, change, averages) / allowed);
+            largest = std::max(largest, error_at(angle, change) / allowed);
         }
         return largest;
     }
@@ -245,7 +237,7 @@ PhaseValues phase_series_at_angles(const EnsembleRequest& request, const Ensembl
     PhaseValues values;
     for (const double angle : request.angles_deg) {
         values.phase.push_back(math::legendre_series(chi, cosine_of_scattering_angle(angle)));
-        values.error.push_back(summation.error_at(angle, change, average.averages));
+        values.error.push_back(summation.error_at(angle, change));
     }
     return values;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -359,10 +358,6 @@ AngularTables angular_tables(const Eigen::ArrayXd& cosines, int terms, bool sing
                              const Executor& run) {
     if (single_precision) return AngularFunctionsOf<float>(cosines, terms, run);
     return AngularFunctions(cosines, terms, run);
-}
-
-double rounding_of_moments(const AngularTables& tables) {
-    return is_single(tables) ? 5e-9 : 4 * std::numeric_limits<double>::epsilon();
 }
 
 WeightedSizes::WeightedSizes(const SizeNodes& nodes, double wave_number_per_um) {

@@ -123,10 +123,6 @@ inline bool is_single(const AngularTables& tables) {
     return std::holds_alternative<AngularFunctionsOf<float>>(tables);
 }
 
-/// What rounding leaves of moments beyond the last, relative to chi_0: measured in single precision
-/// for up to 60 partial waves (of more, which shrink more slowly, double precision cuts off none).
-double rounding_of_moments(const AngularTables& tables);
-
 /// Sums over sizes, weighted by their share of the geometric cross-section over x^2.
 struct SizeSums {
     SphereSums spheres;

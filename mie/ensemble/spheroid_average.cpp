@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -122,7 +121,7 @@ class SpheroidAverage {
 
   private:
     void finish() {
-        put_series(series_, 4 * std::numeric_limits<double>::epsilon(), result_);
+        put_series(series_, result_);
         EnsembleOptics& o = result_.optics;
         PhaseValues values;
         for (const double angle : request_.angles_deg) {
