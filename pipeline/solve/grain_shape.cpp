@@ -136,8 +136,9 @@ ResolvedSpecies averaged_particles(const ResolvedSpecies& species, std::size_t w
     return one;
 }
 
-OpticsDemand demand_of_average(const Species& smooth, const OpticsDemand& demand) {
-    const bool is_double = smooth.phase == PhaseForm::double_henyey_greenstein;
+OpticsDemand demand_of_average(const Species& species, const OpticsDemand& demand) {
+    if (!has_smooth_phase(species)) return demand;
+    const bool is_double = species.phase == PhaseForm::double_henyey_greenstein;
     return {.highest_moment = is_double ? kMomentsOfTwoLobes : 1, .tolerance = demand.tolerance};
 }
 

@@ -48,8 +48,9 @@ Species averaged_words(Species species);
 /// @pre species.needs_mie()
 ResolvedSpecies averaged_particles(const ResolvedSpecies& species, std::size_t w);
 
-/// What is demanded of averaged_particles: extinction, albedo, and chi_1 or chi_1 ... chi_3.
-OpticsDemand demand_of_average(const Species& smooth, const OpticsDemand& demand);
+/// What is demanded of averaged_particles: for a smooth phase function extinction, albedo, and
+/// chi_1 or chi_1 ... chi_3; else the same.
+OpticsDemand demand_of_average(const Species& species, const OpticsDemand& demand);
 
 /// Whether a demand is of averages for a smooth phase function.
 bool is_of_average(const OpticsDemand& demand);

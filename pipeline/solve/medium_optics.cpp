@@ -47,9 +47,7 @@ class JobList {
         std::set<const ResolvedSpecies*> sampled;
         for (const auto [species, w] : jobs_) {
             const OpticsDemand demand = crowd_demand(*species, of_all);
-            const OpticsDemand averaged = has_smooth_phase(species->species)
-                                              ? demand_of_average(species->species, demand)
-                                              : demand;
+            const OpticsDemand averaged = demand_of_average(species->species, demand);
             if (is_sampled(control, *species, averaged) && sampled.insert(species).second)
                 species_optics(control, *species, w, demand, pieces);
         }
