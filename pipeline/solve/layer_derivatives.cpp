@@ -226,9 +226,10 @@ class WavelengthDerivatives {
         demand_.polarisation = solved.stokes > 1;
         find_optics();
         if (demand_.highest_moment >= whole.highest_moment ||
-            !lacks_moments(request, demand_, solved, optics_.stack))
+            !lacks_moments(demand_, solved, optics_.stack))
             return;
-        demand_ = whole;
+        demand_.highest_moment =
+            std::min(whole.highest_moment, moments_of_nodes(solved.solver.streams));
         find_optics();
     }
 

@@ -292,7 +292,7 @@ class LayerPasses {
             slice = solve(request_, optics[i], job.wavelength, demand, light_[jobs[i]], control_,
                           memories_.local());
             wants_more[i] = demand.highest_moment < whole.highest_moment &&
-                            lacks_moments(request_, demand, slice.report, optics[i].stack);
+                            lacks_moments(demand, slice.report, optics[i].stack);
             if (control_.cache != nullptr && !wants_more[i])
                 control_.cache->store(job.hash, NumberPacker().add(slice).take());
         });
@@ -342,11 +342,13 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     return slice;
 }
 
-bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
-                   const WavelengthReport& solved, const rte::Stack& stack) {
+int moments_of_nodes(int streams) { return rte::moments_per_node(streams) * streams; }
+
+bool lacks_moments(const OpticsDemand& demand, const WavelengthReport& solved,
+                   const rte::Stack& stack) {
     const auto is_cut = [](const rte::Optics& optics) { return optics.has_more_moments; };
     const bool is_base_cut = stack.base_kind == rte::BaseKind::half_space && is_cut(stack.base);
-    return solved.stokes == 1 && solved.solver.streams > streams_of_first_pass(request) &&
+    return solved.stokes == 1 && moments_of_nodes(solved.solver.streams) > demand.highest_moment &&
            solved.solver.moments >= demand.highest_moment &&
            (is_base_cut || std::any_of(stack.coats.begin(), stack.coats.end(),
                                        [&](const rte::Coat& coat) { return is_cut(coat.optics); }));
@@ -377,8 +379,7 @@ OpticsDemand first_demand(const LayerRequest& request, const OpticsDemand& whole
     OpticsDemand demand = whole;
     const int streams = streams_of_first_pass(request);
     if (request.solver.streams == 0 && !whole.whole_phase_function) {
-        demand.highest_moment =
-            std::min(whole.highest_moment, rte::moments_per_node(streams) * streams);
+        demand.highest_moment = std::min(whole.highest_moment, moments_of_nodes(streams));
     }
     return demand;
 }
@@ -414,12 +415,20 @@ std::vector<LayerSlice> compute_layers(const LayerRequest& request, const Contro
     const LayerJobs list = list_layer_jobs(reduced);
     LayerPasses passes(reduced, list.jobs, control);
     const std::vector<std::size_t> missing = passes.look_up();
-    // First with the moments that the first nodes use, then with all where more nodes were needed.
+    // First with the moments that the first nodes use. Where more nodes were needed, then with the
+    // moments that these use.
     const OpticsDemand whole = demand_of(request.solver, request.scene.particles.tolerance,
                                          phase_demand(request.quantity));
-    const auto lacking = passes.solve_with(first_demand(request, whole), whole, missing);
-    if (!lacking.empty()) passes.solve_with(whole, whole, lacking);
     std::vector<LayerSlice>& solved = passes.solved();
+    OpticsDemand demand = first_demand(request, whole);
+    for (std::vector<std::size_t> left = missing;;) {
+        left = passes.solve_with(demand, whole, left);
+        if (left.empty()) break;
+        for (const std::size_t j : left)
+            demand.highest_moment =
+                std::max(demand.highest_moment, moments_of_nodes(solved[j].report.solver.streams));
+        demand.highest_moment = std::min(demand.highest_moment, whole.highest_moment);
+    }
     std::vector<std::size_t> noisy;
     for (const std::size_t j : missing) {
         if (wants_finer_sizes(solved[j].report, request.solver.tolerance)) noisy.push_back(j);

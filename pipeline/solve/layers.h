@@ -83,10 +83,13 @@ class DistinctDirections;
 /// A slice at the distinct directions, copied to all requested directions.
 LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQuantity quantity);
 
-/// Whether the solution has more nodes than the first pass and uses all moments of `demand`, while
-/// a medium has more moments: these may change R.
-bool lacks_moments(const LayerRequest& request, const OpticsDemand& demand,
-                   const WavelengthReport& solved, const rte::Stack& stack);
+/// The highest moment that so many nodes make use of.
+int moments_of_nodes(int streams);
+
+/// Whether the solution uses all moments of `demand`, while its nodes could use more and a medium
+/// has them: these may change R.
+bool lacks_moments(const OpticsDemand& demand, const WavelengthReport& solved,
+                   const rte::Stack& stack);
 
 /// One slice for each wavelength; wavelengths whose layers are the same (repeated, or of media that
 /// do not change with it) are computed once. With control.cache, slices are stored as soon as they

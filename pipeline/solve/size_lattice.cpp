@@ -41,8 +41,8 @@ Stencil stencil_at(double x, double step) {
     return stencil;
 }
 
-/// What averages at the lattice have at least, so that depths, albedos and every number of streams
-/// share them.
+/// What averages of a lattice, and of spectra that a fit samples, have at least, so that depths,
+/// albedos and every number of streams share them.
 OpticsDemand demand_of_nodes(OpticsDemand demand) {
     constexpr int kMoments = 64;  // of 16 streams
     if (!demand.whole_phase_function && !is_of_average(demand))
@@ -154,7 +154,13 @@ MediumOptics species_optics(const Control& control, const ResolvedSpecies& speci
     Control remembering = control;
     if (control.memo != nullptr && control.memo->lattice != nullptr && control.cache == nullptr)
         remembering.cache = control.memo->lattice->cache_of(species);
-    return averaged_optics(remembering, species, w, demand, run);
+    // Evaluations of a fit ask for the same spectrum with different numbers of nodes.
+    const bool is_of_fit =
+        is_sampled(control, species, demand) && !control.memo->names().spectrum_nm.empty();
+    if (!is_of_fit) return averaged_optics(remembering, species, w, demand, run);
+    MediumOptics optics = averaged_optics(remembering, species, w, demand_of_nodes(demand), run);
+    cut_moments(optics.optics, demand);
+    return optics;
 }
 
 }  // namespace miebrdf
