@@ -13,7 +13,6 @@ namespace miebrdf {
 namespace {
 
 constexpr double kKgPerM3 = 1000.0;  // of 1 g/cm3
-constexpr double kUm3PerCm3 = 1e12;
 constexpr double kFractionRounding = 1e-12;
 
 bool fills_layer(const ResolvedSpecies& species) { return kind_of(species.species).fills_layer; }
@@ -72,7 +71,7 @@ void set_by_mass(ResolvedMedium& medium, std::optional<double> layer_density_kg_
 }
 
 double by_number(const ResolvedSpecies& species) {
-    const double per_um3 = species.species.amount->value / kUm3PerCm3;
+    const double per_um3 = species.species.amount->value * 1e-12;  // of 1 per cm3
     if (species.given)
         return species.given->share_of_number(per_um3, species.wavelength_nm.front());
     try {

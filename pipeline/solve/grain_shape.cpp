@@ -168,9 +168,9 @@ double grain_asymmetry(const GrainShape& shape, double wavelength_nm, double eff
 }
 
 double enhanced_absorption(double absorption, double of_spheres) {
-    constexpr double kMost = 0.5 * (1.0 - kReflectedByGrain);
-    if (!(of_spheres < kMost)) return of_spheres;
-    return -kMost * std::expm1(absorption / kSphereB * std::log1p(-of_spheres / kMost));
+    const double most = 0.5 * (1.0 - kReflectedByGrain);
+    if (!(of_spheres < most)) return of_spheres;
+    return -most * std::expm1(absorption / kSphereB * std::log1p(-of_spheres / most));
 }
 
 DoubleLobe double_lobe(double chi1, double chi2, double chi3) {

@@ -73,14 +73,11 @@ ResolvedIndex Materials::remembered(const std::string& name,
 
 namespace {
 
-constexpr double kFirstVisible = 380.0, kLastVisible = 780.0;  // nm
-
 std::string caveat_of(const materials::MaterialInfo& info,
                       const std::vector<double>& wavelength_nm) {
     const std::size_t at = info.note.find(kColourCaveat);
-    const bool is_visible = std::any_of(wavelength_nm.begin(), wavelength_nm.end(), [](double nm) {
-        return nm >= kFirstVisible && nm <= kLastVisible;
-    });
+    const bool is_visible = std::any_of(wavelength_nm.begin(), wavelength_nm.end(),
+                                        [](double nm) { return nm >= 380.0 && nm <= 780.0; });
     if (at == std::string::npos || !is_visible) return "";
     return fmt::format("{}: {}", info.name, info.note.substr(at));
 }

@@ -20,9 +20,6 @@ namespace {
 
 /// Of K: where a chord absorbs less, the rest of the optics hardly depends on k.
 constexpr double kFaintChord = 0.03;
-/// Of the coordinate, between the first places: half a width of the law, as between the sizes of a
-/// fine SizeLattice.
-constexpr double kFirstGap = SizeLattice::kFineStep;
 
 /// Calls see(index, thickness in um) for the core and its coatings.
 template <typename See>
@@ -150,8 +147,9 @@ class Spectrum {
                                            as_ensemble(computed)) /
                    demand_.tolerance;
         };
-        const auto sampled =
-            sample_line<MediumOptics>(line_, spaced(line_, kFirstGap), compute, misfit);
+        // First half a width of the law apart, as the sizes of a fine lattice are.
+        const auto sampled = sample_line<MediumOptics>(line_, spaced(line_, SizeLattice::kFineStep),
+                                                       compute, misfit);
         const double misfit_left = demand_.tolerance * sampled.misfit;
         std::vector<double> known;
         for (const std::size_t place : sampled.places) known.push_back(line_[place]);

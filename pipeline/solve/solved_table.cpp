@@ -210,11 +210,11 @@ namespace {
 
 /// Notes mirror reflections, which are in no value of the table.
 void note_mirrors(const ResolvedScene& scene, Provenance& provenance) {
-    constexpr double kGreen_nm = 555.0;
     if (scene.boundary && scene.boundary->is_rough()) return;
+    // The eye sees best at 555 nm.
     const auto middle = std::min_element(
         scene.wavelength_nm.begin(), scene.wavelength_nm.end(),
-        [](double a, double b) { return std::abs(a - kGreen_nm) < std::abs(b - kGreen_nm); });
+        [](double a, double b) { return std::abs(a - 555.0) < std::abs(b - 555.0); });
     const auto at = std::size_t(middle - scene.wavelength_nm.begin());
     const double n = scene.top_index(at);
     if (n > 1.0) {

@@ -11,9 +11,6 @@
 namespace miebrdf {
 namespace {
 
-constexpr double kHalfSpace[] = {std::numeric_limits<double>::infinity()};
-constexpr double kNothing[] = {0.0};
-
 /// The albedo of similarity s: half-spaces of the same s = ((1 - w) / (1 - g w))^1/2 look alike,
 /// and their colour falls from 1 to 0 almost linearly where s is small.
 double albedo_of_similarity(double s, double g) { return (1.0 - s * s) / (1.0 - g * s * s); }
@@ -57,13 +54,14 @@ std::vector<double> subsurface_colour(std::span<const double> single_scattering_
                                       std::span<const double> asymmetry,
                                       std::span<const double> host_index,
                                       const rte::SolverOptions& options, const Control& control) {
+    const double infinite_depth[] = {std::numeric_limits<double>::infinity()}, zero[] = {0.0};
     const auto spherical = [&](std::span<const double> albedo) {
-        return layer_albedos({albedo, asymmetry, kHalfSpace, host_index, kNothing, {}}, options,
+        return layer_albedos({albedo, asymmetry, infinite_depth, host_index, zero, {}}, options,
                              control)
             .spherical_albedo;
     };
     std::vector<double> colour = spherical(single_scattering_albedo);
-    const std::vector<double> outside = spherical(kNothing);
+    const std::vector<double> outside = spherical(zero);
     for (std::size_t i = 0; i < colour.size(); ++i) {
         const double r = at(outside, i);
         colour[i] = std::clamp((colour[i] - r) / (1.0 - r), 0.0, 1.0);
