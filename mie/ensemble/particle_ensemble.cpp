@@ -122,8 +122,16 @@ double wave_number_per_um(const EnsembleRequest& request) {
 
 Ensemble ensemble_of(const EnsembleRequest& request) {
     const double k = wave_number_per_um(request), tail = tail_for(request);
-    const RadiusRange range =
+    RadiusRange range =
         tail > 0 ? radius_range(request.sizes, tail, 1 / k) : radius_range(request.sizes);
+    // Few large spheres have much of the forward peak: of a log-normal law of variance 0.8, a
+    // millionth of the scattering is 1.5 % of it. What is left out of it is the least error stated,
+    // but within pi / x, 0.1 degrees, of straight on of those too large for scattering matrices.
+    const double forward =
+        SizeLaw::of(request.sizes.kind)
+            .forward_radius_um(request.sizes, stated_error(0, request.tolerance));
+    const double most = (1 - AverageLimits::kRounding) * kLargestMatrixSphere / k;
+    if (!request.aspect) range.largest_um = std::max(range.largest_um, std::min(forward, most));
     Scatterer scatterer = request.refractive_index / request.host_index;
     scatterer.aspect = request.aspect.value_or(1.0);
     for (const ParticleCoating& coating : request.coatings)

@@ -47,8 +47,9 @@ MappedRadius mapped_by_quantile(const Law& density, const RadiusRange& range, do
     return {radius, share / pdf(density, radius)};
 }
 
-/// The entry of a law: `area` gives n r^2 as a law of probability, Density is made of the sizes.
-template <auto area, typename Density>
+/// The entry of a law: `area` gives n r^2 as a law of probability, `weighted` that times a power of
+/// r, Density is made of the sizes.
+template <auto area, auto weighted, typename Density>
 constexpr SizeLaw endless(SizeLaw law) {
     law.has_ends = false;
     law.area_density = [](const SizeDistribution& d) -> std::unique_ptr<const AreaDensity> {
@@ -57,6 +58,9 @@ constexpr SizeLaw endless(SizeLaw law) {
     law.area_share_within = [](const SizeDistribution& d, const RadiusRange& range) {
         const auto density = area(d);
         return 1 - (cdf(density, range.smallest_um) + cdf(complement(density, range.largest_um)));
+    };
+    law.forward_radius_um = [](const SizeDistribution& d, double share) {
+        return quantile(complement(weighted(area(d), 2), share));
     };
     return law;
 }

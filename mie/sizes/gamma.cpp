@@ -15,6 +15,10 @@ Gamma gamma_area(const SizeDistribution& d) {
     return Gamma(1 / d.effective_variance, d.effective_radius_um * d.effective_variance);
 }
 
+Gamma weighted_gamma(const Gamma& area, double power) {
+    return Gamma(area.shape() + power, area.scale());
+}
+
 double mean_fourth_power(const Gamma& area) {
     const double s = area.shape();
     return s * (s + 1) * (s + 2) * (s + 3) * std::pow(area.scale(), 4);
@@ -22,9 +26,7 @@ double mean_fourth_power(const Gamma& area) {
 
 RadiusRange gamma_range(const SizeDistribution& d, double tail, double saturation) {
     const Gamma area = gamma_area(d);
-    const Gamma scattering(1 / d.effective_variance + 4,
-                           d.effective_radius_um * d.effective_variance);
-    return between_tails(area, scattering, mean_fourth_power(area), tail, saturation);
+    return between_tails(area, weighted_gamma(area, 4), mean_fourth_power(area), tail, saturation);
 }
 
 class GammaDensity : public AreaDensity {
@@ -48,7 +50,7 @@ MappedRadius gamma_radius_at(const SizeDistribution& d, const RadiusRange& range
 }  // namespace
 
 extern const SizeLaw kGamma;
-constinit const SizeLaw kGamma = endless<gamma_area, GammaDensity>({
+constinit const SizeLaw kGamma = endless<gamma_area, weighted_gamma, GammaDensity>({
     .name = "gamma",
     .help = "n(r) ~ r^(1/b - 3) exp(-r / (a b)), effective radius a and variance b",
     .range = gamma_range,

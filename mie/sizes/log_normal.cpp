@@ -16,14 +16,18 @@ LogNormal log_normal_area(const SizeDistribution& d) {
     return {std::log(d.effective_radius_um) - 0.5 * variance, std::sqrt(variance)};
 }
 
+LogNormal weighted_log_normal(const LogNormal& area, double power) {
+    return {area.location() + power * area.scale() * area.scale(), area.scale()};
+}
+
 double mean_fourth_power(const LogNormal& area) {
     return std::exp(4 * area.location() + 8 * area.scale() * area.scale());
 }
 
 RadiusRange log_normal_range(const SizeDistribution& d, double tail, double saturation) {
     const LogNormal area = log_normal_area(d);
-    const LogNormal scattering(area.location() + 4 * area.scale() * area.scale(), area.scale());
-    return between_tails(area, scattering, mean_fourth_power(area), tail, saturation);
+    return between_tails(area, weighted_log_normal(area, 4), mean_fourth_power(area), tail,
+                         saturation);
 }
 
 class LogNormalDensity : public AreaDensity {
@@ -49,11 +53,12 @@ MappedRadius log_normal_radius_at(const SizeDistribution& d, const RadiusRange& 
 }  // namespace
 
 extern const SizeLaw kLogNormal;
-constinit const SizeLaw kLogNormal = endless<log_normal_area, LogNormalDensity>({
-    .name = "log-normal",
-    .help = "n(r) ~ exp(-ln^2(r / r_g) / (2 s)) / r, s = ln(1 + effective variance)",
-    .range = log_normal_range,
-    .radius_at = log_normal_radius_at,
-});
+constinit const SizeLaw kLogNormal =
+    endless<log_normal_area, weighted_log_normal, LogNormalDensity>({
+        .name = "log-normal",
+        .help = "n(r) ~ exp(-ln^2(r / r_g) / (2 s)) / r, s = ln(1 + effective variance)",
+        .range = log_normal_range,
+        .radius_at = log_normal_radius_at,
+    });
 
 }  // namespace miebrdf::mie

@@ -63,9 +63,13 @@ PowerOfGamma rosin_rammler_area(const SizeDistribution& d) {
     return {1 - 1 / s, s, d.effective_radius_um * std::tgamma(1 - 1 / s)};
 }
 
+PowerOfGamma weighted_rosin_rammler(const PowerOfGamma& area, double power) {
+    return {area.shape + power / area.power, area.power, area.scale};
+}
+
 RadiusRange rosin_rammler_range(const SizeDistribution& d, double tail, double saturation) {
     const PowerOfGamma area = rosin_rammler_area(d);
-    const PowerOfGamma scattering{area.shape + 4 / area.power, area.power, area.scale};
+    const PowerOfGamma scattering = weighted_rosin_rammler(area, 4);
     const double mean_fourth_power =
         std::pow(area.scale, 4) * boost::math::tgamma_ratio(scattering.shape, area.shape);
     return between_tails(area, scattering, mean_fourth_power, tail, saturation);
@@ -93,11 +97,12 @@ MappedRadius rosin_rammler_radius_at(const SizeDistribution& d, const RadiusRang
 }  // namespace
 
 extern const SizeLaw kRosinRammler;
-constinit const SizeLaw kRosinRammler = endless<rosin_rammler_area, RosinRammlerDensity>({
-    .name = "rosin-rammler",
-    .help = "exp(-(r / r_0)^s) of the volume in particles larger than r",
-    .range = rosin_rammler_range,
-    .radius_at = rosin_rammler_radius_at,
-});
+constinit const SizeLaw kRosinRammler =
+    endless<rosin_rammler_area, weighted_rosin_rammler, RosinRammlerDensity>({
+        .name = "rosin-rammler",
+        .help = "exp(-(r / r_0)^s) of the volume in particles larger than r",
+        .range = rosin_rammler_range,
+        .radius_at = rosin_rammler_radius_at,
+    });
 
 }  // namespace miebrdf::mie

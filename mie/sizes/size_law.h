@@ -55,6 +55,10 @@ struct SizeLaw {
     double (*effective_radius_um)(const SizeDistribution&) = [](const SizeDistribution& d) {
         return d.effective_radius_um;
     };
+    /// The radius beyond which spheres have this share of the light diffracted straight on, which
+    /// goes with n r^4. Laws with ends leave nothing out.
+    double (*forward_radius_um)(const SizeDistribution&, double share) = [](const SizeDistribution&,
+                                                                            double) { return 0.0; };
     /// Where even rules put their sizes. For laws without ends the density of sizes follows the
     /// cube root of the area density: the least error of a rule whose error goes with the square of
     /// the spacing.
