@@ -211,7 +211,16 @@ void require_amounts(const Medium& medium) {
     }
     require_sum(text, medium, Amount::Kind::volume_fraction, "volume");
     require_sum(text, medium, Amount::Kind::mass_fraction, "mass");
-    if (medium.species.size() == 1) return;
+    if (medium.species.size() == 1) {
+        // One would read its coefficients as those of the layer, the other as those before
+        // dilution.
+        if (medium.species[0].kind != Species::Kind::turbid || !medium.species[0].amount) return;
+        throw UsageError(fmt::format(
+            "medium '{}': a turbid medium alone fills its layer, and its coefficients are those of "
+            "the layer; leave its amount out, or add what fills the rest: turbid:0.01,1.2,0.8,"
+            "volume=20% + paste:acrylic_white,volume=80%",
+            text));
+    }
     std::size_t without = 0, by_mass = 0;
     for (const Species& species : medium.species) {
         if (!has_extinction(species)) {
@@ -232,6 +241,21 @@ void require_amounts(const Medium& medium) {
         text, without, medium.species.size()));
 }
 
+/// Coatings have thicknesses, and the name of a file may have an @.
+bool ends_in_depth(const std::string& text) {
+    const std::size_t at = text.rfind('@');
+    std::error_code no_name;
+    if (at == std::string::npos || text.find("coating=") < at ||
+        std::filesystem::exists(text.substr(text.find(':') + 1), no_name))
+        return false;
+    try {
+        depth(text.substr(at + 1));
+        return true;
+    } catch (const UsageError&) {
+        return false;
+    }
+}
+
 }  // namespace
 
 Species species(const std::string& text) {
@@ -248,6 +272,12 @@ Species species(const std::string& text) {
 }
 
 Medium medium(const std::string& text) {
+    if (ends_in_depth(text)) {
+        throw UsageError(fmt::format(
+            "medium '{}': {} is the depth of a layer, and this one has none; write the layer as a "
+            "coat: --coat \"{}\", above a base or a substrate",
+            text, text.substr(text.rfind('@')), text));
+    }
     Medium medium;
     std::string mixture = text;
     const std::string in = " in ";

@@ -85,6 +85,19 @@ TEST_CASE("a turbid medium has a share of its layer beside pastes", "[pipeline][
           1e-12);
 }
 
+TEST_CASE("a turbid medium alone has no share of its layer", "[pipeline][turbid]") {
+    CHECK_THROWS_WITH(medium("turbid:0.01,1,0.8,volume=2%"), Catch::Contains("fills its layer"));
+    CHECK_NOTHROW(medium("turbid:0.01,1,0.8"));
+    CHECK_NOTHROW(medium("paste:acrylic_white,volume=2%"));
+}
+
+TEST_CASE("a half-space has no depth", "[pipeline][turbid]") {
+    for (const char* text : {"turbid:0.01,1,0.9@2mm", "hg:0.9,0.5@1", "TiO2,radius=0.2@3um"})
+        CHECK_THROWS_WITH(medium(text), Catch::Contains("depth of a layer"));
+    CHECK_NOTHROW(medium("TiO2,radius=0.2,coating=SiO2@5nm"));
+    CHECK_THROWS_WITH(medium("hg:no@file.csv"), !Catch::Contains("depth of a layer"));
+}
+
 TEST_CASE("a paste mixes with spheres", "[pipeline][turbid]") {
     const support::TemporaryFolder folder;
     const auto black =
