@@ -49,6 +49,21 @@ std::vector<double> total_of(std::vector<double> total, const SurfacePart& surfa
     return total;
 }
 
+/// Errors of R relative to the largest at its incidence, as those of R / pi.
+std::vector<double> absolute_errors(std::vector<double> errors,
+                                    const std::vector<double>& subsurface,
+                                    const Directions& directions) {
+    errors.resize(subsurface.size(), 0.0);  // closed forms
+    const std::size_t block = directions.mu_out.size() * directions.azimuth_deg.size();
+    for (std::size_t start = 0; start < errors.size(); start += block) {
+        double largest = 0.0;
+        for (std::size_t k = start; k < start + block; ++k)
+            largest = std::max(largest, std::abs(subsurface[k]));
+        for (std::size_t k = start; k < start + block; ++k) errors[k] *= largest;
+    }
+    return errors;
+}
+
 void keep_largest(std::optional<double>& largest, double value) {
     largest = std::max(largest.value_or(0.0), value);
 }
@@ -93,6 +108,13 @@ BrdfValues::Slice slice_of(LayerSlice layer, const ResolvedScene& scene,
     slice.subsurface = std::move(layer.values);
     slice.mirror_reflectance = std::move(layer.mirror_reflectance);
     for (double& value : slice.subsurface) value /= std::numbers::pi;
+    if (parts.errors) {
+        slice.errors = absolute_errors(std::move(layer.errors), slice.subsurface, directions);
+        if (surface) {
+            slice.errors =
+                total_of(std::vector<double>(slice.errors.size(), 0.0), *surface, slice.errors);
+        }
+    }
     if (surface) {
         if (parts.total) slice.total = total_of(surface->lobe, *surface, slice.subsurface);
         if (parts.surface) slice.surface = surface->lobe;
@@ -112,7 +134,10 @@ std::vector<LayerSlice> layers_of(const BrdfState& state, const Directions& dire
                                   const BrdfParts& parts) {
     const ResolvedScene& scene = state.resolved;
     if (!wants_layers(parts)) return without_values(scene);
-    return compute_layers({scene, directions, state.solver, LayerQuantity::reflection},
+    return compute_layers({.scene = scene,
+                           .directions = directions,
+                           .solver = state.solver,
+                           .keeps_errors = parts.errors},
                           state.control);
 }
 

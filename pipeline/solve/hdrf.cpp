@@ -8,7 +8,9 @@
 #include <numbers>
 #include <optional>
 
+#include "pipeline/solve/polarisation.h"
 #include "rte/math/quadrature.h"
+#include "rte/math/tolerance_budget.h"
 
 namespace miebrdf {
 namespace {
@@ -150,6 +152,40 @@ Factors under_sky(const Directions& directions, const std::vector<double>& wavel
     return factors;
 }
 
+/// The errors of f in place of its values.
+BrdfValues errors_of(const BrdfValues& f) {
+    BrdfValues errors;
+    errors.directions = f.directions;
+    for (const BrdfValues::Slice& slice : f.slices)
+        errors.slices.emplace_back().total = slice.errors;
+    return errors;
+}
+
+/// In place of the errors of f, which are those of its worst direction, those of its means over
+/// the sky: glories and horizons are little of it.
+/// @param errors  of the factors, where those of f add up
+void keep_mean_errors(ResultReport& report, const Factors& factors, const Factors& errors,
+                      std::size_t incidences) {
+    for (std::size_t w = 0; w < factors.size(); ++w) {
+        WavelengthReport& at = report.wavelengths[w];
+        const bool has_steps = at.solver.converged || at.solver.error_estimate > report.tolerance;
+        const std::size_t block = factors[w].size() / incidences;
+        at.error_estimate = 0.0;
+        for (std::size_t start = 0; start < factors[w].size(); start += block) {
+            double largest = 0.0, error = 0.0;
+            for (std::size_t i = start; i < start + block; ++i) {
+                largest = std::max(largest, factors[w][i]);
+                error = std::max(error, errors[w][i]);
+            }
+            if (largest > 0.0) at.error_estimate = std::max(at.error_estimate, error / largest);
+        }
+        at.phase_noise = {};
+        at.converged = has_converged(
+            at.error_estimate, report.tolerance, has_steps,
+            at.polarisation_left_out <= std::max(report.tolerance, kPromisedWithoutPolarisation));
+    }
+}
+
 /// Adds what half as many nodes differ by to the error estimates.
 void add_node_error(HdrfValues& values, const Factors& fine, const Factors& coarse) {
     for (std::size_t w = 0; w < fine.size(); ++w) {
@@ -215,14 +251,17 @@ WithDerivatives<HdrfValues> hdrf_derivatives(const Brdf& brdf,
             // Circumsolar light, lobes and glories are smooth beside the nodes, or the estimate
             // says so.
             constexpr int kCosines = 24, kAzimuths = 48;
-            const BrdfParts whole{.subsurface = false, .total = true};
+            const BrdfParts whole{.subsurface = false, .errors = true};
             const std::vector<double>& nm = brdf.wavelength_nm();
             const SkyNodes few(kCosines / 2, kAzimuths / 2), nodes(kCosines, kAzimuths);
             coarse = under_sky(directions, nm, sky, few,
                                brdf.evaluate(few.directions(directions), whole), at_out.values);
-            const auto f = evaluate(nodes.directions(directions), whole);
-            add_report(report, f.values);
+            auto f = evaluate(nodes.directions(directions), whole);
             diffuse = under_sky(directions, nm, sky, nodes, f.values, at_out.values);
+            keep_mean_errors(f.values, diffuse,
+                             under_sky(directions, nm, sky, nodes, errors_of(f.values), {}),
+                             directions.mu_in.size());
+            add_report(report, f.values);
             for (std::size_t p = 0; p < slopes.size(); ++p)
                 slopes[p] =
                     under_sky(directions, nm, sky, nodes, f.derivatives[p], at_out.derivatives[p]);

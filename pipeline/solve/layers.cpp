@@ -40,7 +40,7 @@ bool has_closed_form(const LayerRequest& request, std::size_t w) {
 std::string layer_hash(const LayerRequest& request, std::size_t w) {
     const ResolvedScene& scene = request.scene;
     JobKey key("layers");
-    key.add(request.quantity);
+    key.add(request.quantity).add(request.keeps_errors);
     if (request.quantity == LayerQuantity::albedo_through_surface) add_surface(key, scene, w);
     scene.add_to(key, w);
     key.add(scene.particles.tolerance).add(request.solver).add(request.directions);
@@ -158,15 +158,17 @@ double solve_reflection(const LayerRequest& request, const SceneOptics& optics, 
     const SolvedLayers solved{stack, request.directions, table.report.moments, solver.delta_m,
                               table.errors};
     if (components > 1) {
-        const PhaseErrors errors = phase_errors(solved, intensities(table, slice.values));
+        PhaseErrors errors = phase_errors(solved, intensities(table, slice.values));
         slice.report.phase_noise = errors.noise;
+        if (request.keeps_errors) slice.errors = std::move(errors.of_values);
         return errors.with_transfer;
     }
     const double tolerance = request.solver.tolerance;
-    const PhaseErrors left = refine_phase(
+    PhaseErrors left = refine_phase(
         request.scene, w, demand, solved,
         rest_for_phase(tolerance, optics.mie_error_estimate, table.errors), slice.values, run);
     slice.report.phase_noise = left.noise;
+    if (request.keeps_errors) slice.errors = std::move(left.of_values);
     // Transfer was given less than the tolerance; points of P have left some of the difference.
     slice.report.solver.converged =
         has_converged(table.report.error_estimate, tolerance, table.steps_converged);
@@ -216,6 +218,7 @@ LayerSlice solve(const LayerRequest& request, const SceneOptics& optics, std::si
                                pieces_of_job(control), memory, slice)
             : solve_albedos(request, optics, w, light.components, solver, control, memory, slice);
     judge(slice.report, with_transfer, optics.mie_error_estimate, tolerance);
+    for (double& error : slice.errors) error += optics.mie_error_estimate;
     state_light(light, slice.report);
     refuse_lost_values(slice);
     return slice;
@@ -236,10 +239,10 @@ bool wants_finer_sizes(const WavelengthReport& report, double tolerance) {
 /// What the cache stores of a slice.
 template <Is<LayerSlice> T>
 auto fields(T& value) {
-    auto& [values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
+    auto& [values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised, errors,
            report] = value;
     return std::tie(values, plane_albedo, transmittance, unscattered, mirror_reflectance, polarised,
-                    report);
+                    errors, report);
 }
 
 namespace {
@@ -328,6 +331,7 @@ LayerSlice spread(LayerSlice slice, const DistinctDirections& distinct, LayerQua
     if (quantity == LayerQuantity::mueller || distinct.are_all()) return slice;
     if (quantity == LayerQuantity::reflection) {
         slice.values = distinct.spread(slice.values);
+        if (!slice.errors.empty()) slice.errors = distinct.spread(slice.errors);
     } else {
         for (auto* list : {&slice.values, &slice.transmittance}) {
             const double of_uniform_light = list->back();

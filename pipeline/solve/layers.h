@@ -33,6 +33,7 @@ struct LayerRequest {
     Directions directions;
     SolverOptions solver;
     LayerQuantity quantity = LayerQuantity::reflection;
+    bool keeps_errors = false;  ///< LayerSlice::errors
 };
 
 /// The tolerance for layers that are taken as hidden (visible_optics). It is 0 where transmittance
@@ -75,6 +76,8 @@ struct LayerSlice {
     /// Change of the plane albedo at mu_in for light that is polarised in the plane of incidence.
     /// Empty: not computed.
     std::vector<double> polarised_plane_albedo;
+    /// Of `reflection`, each value's, relative to the largest at its incidence. Empty: not kept.
+    std::vector<double> errors;
     WavelengthReport report;
 };
 

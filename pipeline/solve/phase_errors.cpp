@@ -249,7 +249,7 @@ PhaseErrors errors_left(const NoisyLayers& layers, const SolvedLayers& solved,
                         const std::vector<double>& reflection, const Points& points) {
     const Directions& directions = solved.directions;
     const std::size_t azimuths = directions.azimuth_deg.size(), outs = directions.mu_out.size();
-    PhaseErrors worst;
+    PhaseErrors worst{.of_values = std::vector<double>(reflection.size())};
     layers.for_each_direction(
         reflection, [&](std::size_t k, const std::vector<Term>& terms, double brightest) {
             double noise = 0.0;
@@ -263,7 +263,8 @@ PhaseErrors errors_left(const NoisyLayers& layers, const SolvedLayers& solved,
                 noise = std::hypot(noise, term.value * own, term.doubt * change);
             }
             noise = brightest > 0.0 ? noise / brightest : 0.0;
-            keep_largest(worst.with_transfer, solved.transfer_errors[k] + kDeviations * noise);
+            worst.of_values[k] = solved.transfer_errors[k] + kDeviations * noise;
+            keep_largest(worst.with_transfer, worst.of_values[k]);
             if (!(noise > worst.noise.largest)) return;
             worst.noise = {noise, directions.mu_in[k / azimuths / outs],
                            directions.mu_out[k / azimuths % outs],
@@ -273,7 +274,7 @@ PhaseErrors errors_left(const NoisyLayers& layers, const SolvedLayers& solved,
 }
 
 PhaseErrors of_transfer_alone(const SolvedLayers& solved) {
-    PhaseErrors errors;
+    PhaseErrors errors{.of_values = solved.transfer_errors};
     for (const double error : solved.transfer_errors) keep_largest(errors.with_transfer, error);
     return errors;
 }

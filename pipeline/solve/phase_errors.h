@@ -23,8 +23,9 @@ struct SolvedLayers {
 
 struct PhaseErrors {
     PhaseNoise noise = {};
-    /// The largest over the values of (error of transfer) + 2 noise.
-    double with_transfer = 0.0;
+    /// (Error of transfer) + 2 noise of each value, relative to the largest at its incidence.
+    std::vector<double> of_values = {};
+    double with_transfer = 0.0;  ///< the largest of them
 };
 
 /// The error of R by the noise of P. P of transparent spheres ripples in size and angle: points of

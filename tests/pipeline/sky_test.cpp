@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/support/catch.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace miebrdf;
@@ -73,6 +74,17 @@ TEST_CASE("a table of one radiance is the uniform sky", "[pipeline][sky]") {
     CHECK(table.converged());
     for (std::size_t i = 0; i < 6; ++i)
         CHECK(table.hdrf[0][i] == Approx(uniform.hdrf[0][i]).epsilon(1e-3));
+}
+
+TEST_CASE("of a sky, the glory of large spheres is little", "[pipeline][sky]") {
+    const support::TemporaryFolder folder;
+    const Brdf brdf = solve(support::scene_of("index:1.31,1e-6,radius=20,variance=0.2"), {550});
+    const Directions mirror_side{{0.5}, {0.5}, {0}};
+    const HdrfValues table = brdf.hdrf(mirror_side, 0.3, sky(folder.write("sky.csv", flat_sky())));
+    const HdrfValues uniform = brdf.hdrf(mirror_side, 0.3);  // by reciprocity, an albedo
+    CHECK(table.error_estimate() <= brdf.evaluate({{0.5}, {0.5}, {180}}).error_estimate());
+    CHECK(std::abs(table.hdrf[0][0] / uniform.hdrf[0][0] - 1) <=
+          table.error_estimate() + uniform.error_estimate());
 }
 
 TEST_CASE("derivatives under a sky of one radiance are those of the uniform sky",

@@ -36,6 +36,7 @@ struct BrdfParts {
     bool subsurface = true;  ///< R / pi of the layers
     bool surface = true;     ///< there is none without Scene::surface
     bool total = true;       ///< both, coupled
+    bool errors = false;     ///< BrdfValues::Slice::errors
 };
 
 /// The verdict of physics on computed values, as numbers: reciprocity, energy and sign.
@@ -109,6 +110,8 @@ class BrdfValues : public ResultReport {
         /// At each mu_in, what a smooth boundary or a mirror below sends into the mirror direction
         /// and nowhere else: a delta that the values are without. Empty: there is none.
         std::vector<double> mirror_reflectance;
+        /// Estimates for each value of `total`, 1/sr; those of surface lobes are not in them.
+        std::vector<double> errors;
         PhysicsReport layers_physics;  ///< of subsurface
         PhysicsReport physics;         ///< of total, or of the one part that was asked for
 
